@@ -173,7 +173,7 @@ fn double_pendulum() -> Problem<DoublePendulum, DoublePendulum<Gradient<f64, 4>>
         from.q[i].slopes[i] = DoubleDouble::ONE;
         from.qd[i].slopes[2 + i] = DoubleDouble::ONE;
     }
-    let run = integrate(&fine, LongTaylor::with_tolerance(1e-30), TaylorController::tolerance(1e-30), from);
+    let run = integrate(&fine, LongTaylor, TaylorController::tolerance(1e-30), from);
     let end =
         run.until(Gradient::constant(DoubleDouble::from(orbit.period))).final_state().expect("a motion");
     let exact = DMatrix::from_fn(4, 4, |i, j| {

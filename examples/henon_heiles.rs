@@ -60,7 +60,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let how = Measurement { transient: 100.0, interval: 5.0, intervals: 4000 };
     let flow = ByGradients::new(system.map(Gradient::<f64, 4>::constant), 1e-10);
-    let (method, control) = (Taylor::for_tolerance(1e-10), TaylorController::tolerance(1e-10));
+    let (method, control) = (Taylor, TaylorController::tolerance(1e-10));
     for (name, y) in [("sea", -0.15), ("island", 0.29)] {
         let from = start(energy, y, 0.0).ok_or("the start has more energy than there is")?;
         let all = lyapunov_spectrum(&flow, &from, &how)?;

@@ -119,7 +119,7 @@ where
 
 /// Taylor's method at the tolerance of the reference.
 fn finest() -> (Taylor, TaylorController<f64>) {
-    (Taylor::for_tolerance(1e-14), TaylorController::tolerance(1e-14))
+    (Taylor, TaylorController::tolerance(1e-14))
 }
 
 /// A model of a whole system: a start of that leads to a motion with an output of that.

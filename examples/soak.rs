@@ -169,7 +169,7 @@ fn walk<Sys: Analytic<N, Scalar = f64> + Energies<N> + Lagrangian<N> + Sync, con
     let bar = ProgressBar::new(u64::from(STARTS) * count);
     let alone = |n: u32| -> Result<BTreeMap<u64, Vec<f64>>, Failure> {
         let start = start(f64::from(n) / f64::from(STARTS));
-        let (method, control) = (Taylor::for_tolerance(TOLERANCE), TaylorController::tolerance(TOLERANCE));
+        let (method, control) = (Taylor, TaylorController::tolerance(TOLERANCE));
         let mut run = integrate(system, method, control, start).max_steps(u64::MAX);
         let mut walk = BTreeMap::new();
         for n in &times {

@@ -113,9 +113,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     println!("it turns over every {:.6} s, k = {:.6}", exact.half, exact.modulus);
     let start =
         body.with_attitude_R(State::new(0.0, [0.0; 3], [0.0; 3]), &exact.attitude(0.0), &exact.omega(0.0));
-    let run = |end: f64| {
-        integrate(&body, Taylor::for_tolerance(1e-15), TaylorController::tolerance(1e-15), start).until(end)
-    };
+    let run = |end: f64| integrate(&body, Taylor, TaylorController::tolerance(1e-15), start).until(end);
     let mut checks = Checks::default();
 
     // Four turns, sampled, against the closed form; energy and angular momentum over all of them.

@@ -454,7 +454,7 @@ fn the_table_of_methods() {
     }
     general!(Dop853 DormandPrince5 Verner9 Rodas5P Radau5);
     let series = || Cell::None("rustc rejects an `extern fn`: `Analytic`");
-    let taylor = Taylor::for_tolerance(1e-10);
+    let taylor = Taylor;
     let decaying = || TaylorController::tolerance(1e-10);
     table.row(
         "`Taylor`",
@@ -483,13 +483,7 @@ fn the_table_of_methods() {
                 of_f32(),
                 1e-4,
             ),
-            seen(
-                &wide(),
-                Taylor::for_tolerance(1e-16),
-                TaylorController::tolerance(1e-16),
-                of_double(),
-                1e-15,
-            ),
+            seen(&wide(), Taylor, TaylorController::tolerance(1e-16), of_double(), 1e-15),
         ],
     );
     let velocity = || {

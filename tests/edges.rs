@@ -43,7 +43,7 @@ macro_rules! ends {
     ($system:expr, $span:expr, [$($adaptive:expr),*], [$($fixed:expr),*]) => {{
         let (system, Span { start, end, tolerance, step }) = ($system, $span);
         let step = if end < start.t { -step } else { step };
-        let taylor = integrate(&system, Taylor::for_tolerance(tolerance), TaylorController::tolerance(tolerance), start);
+        let taylor = integrate(&system, Taylor, TaylorController::tolerance(tolerance), start);
         let mut ends = vec![("Taylor", taylor.until(end).max_steps(ENOUGH).final_state().map_err(|f| f.failure))];
         $(
             let run = integrate(&system, $adaptive, PiController::tolerance(tolerance), start).until(end);

@@ -91,6 +91,12 @@ pub trait Controller<S: Real, const N: usize, E>: Clone {
     /// Factor by which to shorten a step that could not be made, or `None` to give up.
     fn after_failure(&mut self) -> Option<f64>;
 
+    /// The relative tolerance, if there is one above 0, for methods that adapt to it.
+    #[inline(always)]
+    fn relative_tolerance(&self) -> Option<f64> {
+        None
+    }
+
     /// The longest step, in units of t.
     #[inline(always)]
     fn max_step(&self) -> f64 {

@@ -134,6 +134,13 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
     /// The order of convergence p: the global error is `O(hᵖ)`.
     fn order(&self) -> u32;
 
+    /// The method as it serves a relative tolerance best, where it leaves that open, as [`Taylor`](taylor::Taylor) does
+    /// its order. A run asks its controller.
+    fn for_tolerance(self, relative: Option<f64>) -> Self {
+        let _ = relative;
+        self
+    }
+
     /// Returns whether a step solves equations for its end. Stability then does not make steps short, as it does
     /// those of explicit methods on stiff systems, and a failure has other advice to give.
     fn implicit(&self) -> bool {

@@ -116,7 +116,7 @@ where
 
 #[test]
 fn a_free_body_tumbles_as_its_closed_form_says() {
-    let taylor = |of| missed(Taylor::for_tolerance(1e-15), TaylorController::tolerance(1e-15), of);
+    let taylor = |of| missed(Taylor, TaylorController::tolerance(1e-15), of);
     let pi = PiController::tolerance;
     let short = &OVER_AT_10;
     let cases = [
@@ -391,9 +391,8 @@ fn energy_and_momentum_over_a_million_turns() {
     let start = body.with_attitude_R(resting(), &quaternion(ROUND.1), &Vector3::new(ROUND.0, 0.0, 1.0));
     let (energy, momentum) = (body.energy_at(&start), body.momentum(&start.q, &start.qd, 0.0));
     // About L a turn takes 3.03 units of time.
-    let mut run = integrate(&body, Taylor::for_tolerance(1e-15), TaylorController::tolerance(1e-15), start)
-        .until(3.03e6)
-        .max_steps(u64::MAX);
+    let mut run =
+        integrate(&body, Taylor, TaylorController::tolerance(1e-15), start).until(3.03e6).max_steps(u64::MAX);
     let mut next = 3.03e2;
     let mut last = None;
     for step in run.by_ref() {

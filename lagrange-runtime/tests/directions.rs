@@ -47,7 +47,7 @@ fn a_spherical_pendulum_is_that_of_angles() {
     let control = || PiController::tolerance(1e-13);
     let known = integrate(&by_angles, Dop853, control(), State::new(0.0, [theta, phi], [dtheta, dphi]));
     let known = known.until(20.0).final_state().unwrap();
-    let taylor = (Taylor::for_tolerance(1e-14), TaylorController::tolerance(1e-14));
+    let taylor = (Taylor, TaylorController::tolerance(1e-14));
     let found = [
         integrate(&pendulum, Dop853, control(), start).until(20.0).final_state().unwrap(),
         integrate(&pendulum, taylor.0, taylor.1, start).until(20.0).final_state().unwrap(),

@@ -53,7 +53,7 @@ fn short_flights_end_on_the_ground() {
             flights(|| Dop853, PiController::tolerance(1e-9), t, sideways);
             flights(|| DormandPrince5, PiController::tolerance(1e-9), t, sideways);
             flights(|| Rodas5P, PiController::tolerance(1e-9), t, sideways);
-            flights(|| Taylor::for_tolerance(1e-12), TaylorController::tolerance(1e-12), t, sideways);
+            flights(|| Taylor, TaylorController::tolerance(1e-12), t, sideways);
         }
     }
 }

@@ -78,7 +78,7 @@ fn runs_have_the_same_bits_on_all_processors() {
         Fused Dop853, PiController::tolerance(1e-9);
         Plain Dop853, PiController::tolerance(1e-9);
         Fused Rk4, FixedStep::new(0.01);
-        Fused Taylor::for_tolerance(1e-12), TaylorController::tolerance(1e-12);
+        Fused Taylor, TaylorController::tolerance(1e-12);
         Fused Radau5, PiController::tolerance(1e-6);
         Fused Gauss4, FixedStep::new(0.02);
     }
@@ -91,11 +91,11 @@ fn functions_and_series_have_the_same_bits_on_all_processors() {
         draw_menagerie, 0 =>
         Fused Dop853, PiController::tolerance(1e-12);
         Plain Dop853, PiController::tolerance(1e-12);
-        Fused Taylor::for_tolerance(1e-12), TaylorController::tolerance(1e-12);
+        Fused Taylor, TaylorController::tolerance(1e-12);
     }
     let samples = Table::new((0..SAMPLES).map(|number| [number]));
     let lanes = Ensemble::new(samples, SAMPLES, draw_menagerie)
-        .integrate(Taylor::for_tolerance(1e-13), TaylorController::tolerance(1e-13), 3.0)
+        .integrate(Taylor, TaylorController::tolerance(1e-13), 3.0)
         .in_lanes(Fused)
         .observe(&FinalState(|_: &Menagerie, end: &State<f64, 1>| [end.q[0], end.qd[0]]), Collect)
         .expect("a sound study");

@@ -214,7 +214,7 @@ fn methods_of_every_family() {
     let pi = PiController::tolerance(1e-7);
     all!(Fused, pi; Dop853, lagrange_runtime::method::nystrom::Nystrom8);
     all!(Fused, PidController::h211b(PiController::tolerance(1e-6).rtol(0.0).first_step(1e-3)); Dop853);
-    all!(Fused, TaylorController::tolerance(1e-12); Taylor::for_tolerance(1e-12));
+    all!(Fused, TaylorController::tolerance(1e-12); Taylor);
     all!(Fused, FixedStep::new(0.03); Rk4, Verlet, lagrange_runtime::BlanesMoan6);
     all!(Fused, FixedStep::new(0.06); Compose(Verlet, lagrange_runtime::KahanLi8));
     // Those that iterate, each lane until it has converged.
@@ -524,7 +524,7 @@ fn steps_that_end_at_switches_are_rejected_as_alone() {
         (Landing::new(1e3 * (1.0 + number as f64)), State::new(0.0, [0.1 * (number + 1) as f64], [0.0]))
     };
     let balls = || Ensemble::new(Table::new((0..30).map(|number: u64| [number])), 30, draw);
-    for (series, tolerance) in [(Taylor::for_tolerance(1e-15), 1e-15), (Taylor::for_tolerance(1e-4), 1e-7)] {
+    for (series, tolerance) in [(Taylor, 1e-15), (Taylor::of_order(12), 1e-7)] {
         lanes_are_alone!(balls().integrate(series, TaylorController::tolerance(tolerance), 1.5), Fused, 30);
     }
 }
@@ -533,7 +533,7 @@ fn steps_that_end_at_switches_are_rejected_as_alone() {
 #[test]
 fn switches_are_met_as_alone() {
     let blocks = || Ensemble::new(Table::new((0..21).map(|number: u64| [number])), 21, block);
-    let series = Taylor::for_tolerance(1e-9);
+    let series = Taylor::of_order(18);
     lanes_are_alone!(blocks().integrate(series, TaylorController::tolerance(1e-9), END), Fused, 21);
     lanes_are_alone!(blocks().integrate(series, FixedStep::new(0.07), END), Plain, 21);
     // Within the steps, too.
@@ -662,7 +662,7 @@ macro_rules! events_are_alone {
 #[test]
 fn events_are_those_of_the_run() {
     events_are_alone!(Dop853, PiController::tolerance(1e-9));
-    events_are_alone!(Taylor::for_tolerance(1e-9), TaylorController::tolerance(1e-9));
+    events_are_alone!(Taylor, TaylorController::tolerance(1e-9));
 }
 
 /// Times at which states are wanted, and what ends the run before some of them.
@@ -850,11 +850,7 @@ fn starts_at_rest_are_left_as_alone() {
         (Ball::new(0.25), State::new(0.0, [0.0, 0.0], [speed, 0.0]))
     };
     let balls = || Ensemble::new(Table::new((0..13).map(|number: u64| [number])), 13, ball);
-    lanes_are_alone!(
-        balls().integrate(Taylor::for_tolerance(1e-12), TaylorController::tolerance(1e-12), 2.0),
-        Fused,
-        13
-    );
+    lanes_are_alone!(balls().integrate(Taylor, TaylorController::tolerance(1e-12), 2.0), Fused, 13);
     lanes_are_alone!(balls().integrate(Radau5, PiController::tolerance(1e-9), 2.0), Fused, 13);
 }
 

@@ -194,7 +194,7 @@ fn a_driven_body_moves_as_by_hand() {
         println!("{name}: {:e}", missed(&end, &known));
         assert!(missed(&end, &known) < bound, "{name}: {:e}", missed(&end, &known));
     };
-    let taylor = (Taylor::for_tolerance(1e-14), TaylorController::tolerance(1e-14));
+    let taylor = (Taylor, TaylorController::tolerance(1e-14));
     by(integrate(&craft, taylor.0, taylor.1, start).until(end).final_state().unwrap(), 1e-11, "Taylor");
     let radau = integrate(&craft, Radau5, PiController::tolerance(1e-10), start);
     by(radau.until(end).final_state().unwrap(), 1e-7, "Radau5");

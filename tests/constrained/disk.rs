@@ -183,7 +183,7 @@ fn wobbles_by_legendre_functions() {
         let most = if wheel.r < 0.1 { 4e-11 } else { 3e-12 };
         let fine = PiController::tolerance(1e-13);
         let end = digits[0];
-        let taylor = (Taylor::for_tolerance(1e-13), TaylorController::tolerance(1e-13));
+        let taylor = (Taylor, TaylorController::tolerance(1e-13));
         let ends = [
             integrate(&wheel, Verner9, fine, start).until(end).final_state(),
             integrate(&wheel, Dop853, fine, start).until(end).final_state(),

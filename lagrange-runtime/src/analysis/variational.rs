@@ -415,7 +415,7 @@ pub struct ByGradients<Sys, M = Taylor, C = TaylorController> {
 impl<Sys> ByGradients<Sys> {
     /// Integrates by Taylor series with an absolute and relative tolerance, which holds for the derivatives too.
     pub fn new(system: Sys, tolerance: f64) -> Self {
-        Self::with(system, Taylor::for_tolerance(tolerance), TaylorController::tolerance(tolerance))
+        Self::with(system, Taylor, TaylorController::tolerance(tolerance))
     }
 }
 
@@ -521,7 +521,7 @@ pub struct Sensitivity<const N: usize, const D: usize> {
 ///     }
 /// }
 /// let (start, family) = (State::new(0.0, [1.0], [0.0]), |[omega]: [_; 1]| Oscillator { omega });
-/// let (method, control) = (Taylor::for_tolerance(1e-15), TaylorController::tolerance(1e-15));
+/// let (method, control) = (Taylor, TaylorController::tolerance(1e-15));
 /// let Sensitivity { end, slopes: [slope] } = sensitivity(family, [2.0], method, control, &start, 3.0)?;
 /// assert!((end.q[0] - 6.0f64.cos()).abs() < 1e-14 && (slope.q[0] + 3.0 * 6.0f64.sin()).abs() < 1e-13);
 /// # Ok::<(), Failure>(())

@@ -105,7 +105,7 @@ where
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn new(method: M, controller: C, start: State<Sys::Scalar, N>) -> Self {
         Engine {
-            method,
+            method: method.for_tolerance(controller.relative_tolerance()),
             controller,
             start,
             state: start,

@@ -7,6 +7,7 @@
 //! `lanes/job.rs` has what is to be done, `lanes/pack.rs` the lanes and the runs in them, `lanes/convoy.rs` their
 //! loop, `lanes/course.rs` the motion within their steps.
 
+use crate::controller::Controller;
 use crate::lanes::{LaneController, Lanewise, Level, Observer, Policy, Processor, Rescale};
 use crate::method::Method;
 use convoy::Convoy;
@@ -130,6 +131,12 @@ where
         watch: &W,
         jobs: &mut J,
     ) {
-        A::call(Convoy::<Sys, M, C, P, A, W, J, N>::new(self, controller, bounds, watch, jobs));
+        let alone = controller.alone();
+        let tolerance =
+            Controller::<_, N, <ErrorOf<M, Sys, P, A, N> as Lanewise<LANES>>::Element>::relative_tolerance(
+                &alone,
+            );
+        let method = Method::<Alone<Sys, P, A, N>, N>::for_tolerance(self.clone(), tolerance);
+        A::call(Convoy::<Sys, M, C, P, A, W, J, N>::new(&method, controller, bounds, watch, jobs));
     }
 }

@@ -5,7 +5,7 @@
 //! equations, and may be as long as the series converges quickly, whatever the tolerance (Moore 1966; Corliss and Chang
 //! 1982; Jorba and Zou, *Exper. Math.* 14 (2005) 99; Biscani and Izzo, *MNRAS* 504 (2021) 2614).
 //!
-//! The order belongs to the tolerance ([`Taylor::for_tolerance`]). The step follows from the decay of the
+//! The order belongs to the tolerance ([`Taylor`](const@Taylor)). The step follows from the decay of the
 //! coefficients. The published rule asks the last two of them, and is fooled by motions whose symmetry makes
 //! coefficients vanish in turn, such as a pendulum released from rest at 90°. Here the last `WINDOW` have a say, and
 //! each step is checked: by the difference between the accelerations of the polynomial at its end and those of the
@@ -59,7 +59,7 @@ const fn first_asked(p: usize) -> usize {
 /// }
 /// let (pendulum, start) = (Pendulum::new(1.0), State::new(0.0, [2.0], [0.0]));
 /// let tolerance = 1e-15;
-/// let run = integrate(&pendulum, Taylor::for_tolerance(tolerance), TaylorController::tolerance(tolerance), start);
+/// let run = integrate(&pendulum, Taylor, TaylorController::tolerance(tolerance), start);
 /// let end = run.until(100.0).final_state()?;
 /// let energy = |at: &State<f64, 1>| pendulum.energy(&at.q, &at.qd, at.t);
 /// assert!((energy(&end) - energy(&start)).abs() < 1e-13);
@@ -76,8 +76,19 @@ const fn first_asked(p: usize) -> usize {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Taylor<const ROOM: usize = USUAL_ROOM> {
+    /// 0 where the tolerance is to choose it.
     order: usize,
 }
+
+/// Taylor series of the order that suits the tolerance of the controller, 7 − ½ ln ε, rounded up, and at most 20: on
+/// processors without long vectors the last two orders of larger systems take as long as the ten before. It is 20 where
+/// the controller has no relative tolerance.
+///
+/// Where an order costs what all orders before it do, the order with the least work is `1 − ½ ln ε` (Jorba and Zou,
+/// 3.2). A step has costs of its own, and higher orders cost little more than lower ones. (At 1e-9 a pendulum would
+/// gain a hundredth by two orders more, lanes 4 % by two less.)
+#[allow(non_upper_case_globals)]
+pub const Taylor: Taylor = Taylor { order: 0 };
 
 /// Taylor series of orders up to 62, for scalars of more digits than `f64` and tolerances down to 1e-31. It is not
 /// made for speed in `f64`: all its coefficients have room for 62 orders.
@@ -97,7 +108,7 @@ pub struct Taylor<const ROOM: usize = USUAL_ROOM> {
 /// let one = DoubleDouble::from(1.0);
 /// let oscillator = Oscillator { k: one };
 /// let start = State::new(DoubleDouble::from(0.0), [one], [DoubleDouble::from(0.0)]);
-/// let run = integrate(&oscillator, LongTaylor::with_tolerance(1e-30), TaylorController::tolerance(1e-30), start);
+/// let run = integrate(&oscillator, LongTaylor, TaylorController::tolerance(1e-30), start);
 /// let end = run.until(DoubleDouble::from(10.0)).final_state()?;
 /// let error = end.q[0] - DoubleDouble::from(10.0).cos();
 /// assert!(error.to_f64().abs() < 1e-28);
@@ -105,24 +116,18 @@ pub struct Taylor<const ROOM: usize = USUAL_ROOM> {
 /// ```
 pub type LongTaylor = Taylor<LONG_ROOM>;
 
+/// [`LongTaylor`] of the order that suits the tolerance of the controller, as that of [`Taylor`], at most 62.
+#[allow(non_upper_case_globals)]
+pub const LongTaylor: LongTaylor = Taylor { order: 0 };
+
 impl Taylor {
     /// Series to order p, kept within 8 and 22: shorter ones do not show how they decay.
     pub fn of_order(p: usize) -> Self {
         Taylor::within(p)
     }
 
-    /// Series of order 20, the highest of [`for_tolerance`](Self::for_tolerance).
-    pub(crate) const LONGEST_USUAL: Taylor = Taylor { order: 20 };
-
-    /// The order with the least work for a tolerance, 7 − ½ ln ε, rounded up, and at most 20: on processors without
-    /// long vectors the last two orders of larger systems take as long as the ten before.
-    ///
-    /// Where an order costs what all orders before it do, that is `1 − ½ ln ε` (Jorba and Zou, 3.2). A step has costs
-    /// of its own, and higher orders cost little more than lower ones. (At 1e-9 a pendulum would gain a hundredth by
-    /// two orders more, lanes 4 % by two less.)
-    pub fn for_tolerance(tolerance: f64) -> Self {
-        Taylor::within(order_for(tolerance).min(20))
-    }
+    /// Series of the highest order that a tolerance chooses.
+    pub(crate) const LONGEST_USUAL: Taylor = Taylor { order: LONGEST };
 }
 
 impl LongTaylor {
@@ -130,18 +135,22 @@ impl LongTaylor {
     pub fn with_order(p: usize) -> Self {
         Taylor::within(p)
     }
-
-    /// As that of [`Taylor::for_tolerance`], at most 62.
-    pub fn with_tolerance(tolerance: f64) -> Self {
-        Taylor::within(order_for(tolerance))
-    }
 }
 
 impl<const ROOM: usize> Taylor<ROOM> {
     fn within(p: usize) -> Self {
         Taylor { order: p.clamp(8, ROOM - 2) }
     }
+
+    /// The order of its series.
+    #[inline(always)]
+    fn terms(&self) -> usize {
+        if self.order > 0 { self.order } else { LONGEST }
+    }
 }
+
+/// The highest order that a tolerance chooses for numbers of the digits of `f64`.
+const LONGEST: usize = 20;
 
 fn order_for(tolerance: f64) -> usize {
     let p = 7.0 - 0.5 * libm::log(tolerance);
@@ -197,7 +206,15 @@ where
     type Interpolant = Polynomial<Sys::Scalar, N, ROOM>;
 
     fn order(&self) -> u32 {
-        self.order as u32
+        self.terms() as u32
+    }
+
+    fn for_tolerance(self, relative: Option<f64>) -> Self {
+        let longest = if ROOM > USUAL_ROOM { ROOM } else { LONGEST };
+        match relative {
+            Some(tolerance) if self.order == 0 => Self::within(order_for(tolerance).min(longest)),
+            _ => self,
+        }
     }
 
     fn start(
@@ -207,7 +224,7 @@ where
     ) -> Result<Self::MethodState, Failure<Sys::Scalar>> {
         let sides = system.sides(at);
         let begins_at = system.switching(at, &sides).vanishing();
-        Ok(begin(system, at, self.order, sides, begins_at, Tangent::zero()))
+        Ok(begin(system, at, self.terms(), sides, begins_at, Tangent::zero()))
     }
 
     fn turned(
@@ -223,7 +240,7 @@ where
         let sides = system.sides(at);
         let begins_at = system.switching(at, &sides).vanishing();
         let lost = attitude::steps::lost(Sys::ATTITUDES, from, &memory.lost, at);
-        Ok(begin(system, at, self.order, sides, begins_at, lost))
+        Ok(begin(system, at, self.terms(), sides, begins_at, lost))
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -263,8 +280,8 @@ where
     {
         let mut step = self.collocated_step(across.system, across, memory, from, h, next)?;
         let accelerations = across.accel(&step.to.q, &step.to.qd, step.to.t);
-        let changes = changes(&step.stages, self.order, step.h);
-        step.error = remainder(self.order, step.h, &changes, |i| accelerations[i]);
+        let changes = changes(&step.stages, self.terms(), step.h);
+        step.error = remainder(self.terms(), step.h, &changes, |i| accelerations[i]);
         Ok(step)
     }
 
@@ -280,11 +297,11 @@ where
     /// Steps are long, and looking at their polynomials is cheap.
     #[inline(always)]
     fn parts(&self, _: &Self::MethodState, _: Sys::Scalar) -> u32 {
-        2 * self.order as u32
+        2 * self.terms() as u32
     }
 
     fn start_evaluations(&self) -> u32 {
-        self.order as u32
+        self.terms() as u32
     }
 }
 
@@ -295,7 +312,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
         series: TaylorSeries<S, N, ROOM>,
         from: State<S, N>,
     ) -> Polynomial<S, N, ROOM> {
-        Polynomial { series, order: self.order, from }
+        Polynomial { series, order: self.terms(), from }
     }
 
     /// A step on one side of all switches.
@@ -314,7 +331,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
         // The step that the rounded time makes.
         let t = from.t + h;
         let h = t - from.t;
-        let p = self.order;
+        let p = self.terms();
         let MethodState { series, lost, sides, .. } = memory;
         let mut to = State { t, ..*from };
         let mut carried = Tangent::zero();
@@ -338,7 +355,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
     where
         Sys::Scalar: SimdScalar,
     {
-        Sys::Scalar::COUNT == 1 && !collocation::exists(&memory.series, self.order)
+        Sys::Scalar::COUNT == 1 && !collocation::exists(&memory.series, self.terms())
     }
 
     /// A step by collocation, on one side of each switch.
@@ -371,7 +388,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
         Sys::Scalar: SimdScalar,
     {
         let h = (from.t + h) - from.t;
-        let polynomial = collocation::collocated(field, from, h, self.order)?;
+        let polynomial = collocation::collocated(field, from, h, self.terms())?;
         let at = |i: u32| {
             system.sides(&polynomial.at(from.t + h * Sys::Scalar::from_f64(f64::from(i) / f64::from(LOOKS))))
         };
@@ -388,7 +405,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
             let begins_at = system.switching(&step.to, &sides).vanishing();
             self.goes_on(system, &mut step, sides, begins_at, next);
         }
-        if !collocation::exists(&next.series, self.order) {
+        if !collocation::exists(&next.series, self.terms()) {
             // It says nothing about the next step, which is tried long.
             step.error.last = [Tangent::zero(); WINDOW];
         }
@@ -407,7 +424,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
     where
         Sys::Scalar: SimdScalar,
     {
-        let p = self.order;
+        let p = self.terms();
         let mut memory = *memory;
         // What begins at a switch may have to leave it for one side, and then for the other; every one once.
         for _ in 0..=3 * Sys::Sides::COUNT {
@@ -495,9 +512,9 @@ impl<const ROOM: usize> Taylor<ROOM> {
     ) where
         Sys::Scalar: SimdScalar,
     {
-        *next = begin(system, &step.to, self.order, sides, begins_at, next.lost);
-        step.error.last = next.last(self.order);
-        step.evaluations += self.order as u32;
+        *next = begin(system, &step.to, self.terms(), sides, begins_at, next.lost);
+        step.error.last = next.last(self.terms());
+        step.evaluations += self.terms() as u32;
     }
 
     /// A step of size h that ends at a switch, within rounding.
@@ -543,7 +560,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
         let mut step = self.smooth_step(system, memory, from, h, next);
         let there = system.switching(&step.to, sides);
         let alone = Sys::Scalar::each(|i| {
-            sides.met(switching, begins_at, h, self.order, i).is_some()
+            sides.met(switching, begins_at, h, self.terms(), i).is_some()
                 || sides.are_left(switching, &there, h, i)
         });
         let nowhere = SVector::from([nan(); N]);

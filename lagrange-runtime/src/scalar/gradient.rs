@@ -26,7 +26,7 @@ use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAss
 /// let [x, xd, k] = Gradient::variables([0.3, 0.0, 4.0]);
 /// let start = State::new(Gradient::constant(0.0), [x], [xd]);
 /// let system = Oscillator { k };
-/// let run = integrate(&system, Taylor::for_tolerance(1e-15), TaylorController::tolerance(1e-15), start);
+/// let run = integrate(&system, Taylor, TaylorController::tolerance(1e-15), start);
 /// let end = run.until(Gradient::constant(1.0)).final_state()?;
 /// let [by_x, by_xd, by_k] = end.q[0].slopes;
 /// assert!((by_x - 2f64.cos()).abs() < 1e-14 && (by_xd - 2f64.sin() / 2.0).abs() < 1e-14);

@@ -299,7 +299,7 @@ const FAR: f64 = 1024.0;
 
 /// The share of the time h in which the terms that are left out of a switching function, from the given order on, are
 /// small: below 2^(−3 (p − 7)) of the largest one of those of order p and lower, but for the constant one, about the
-/// tolerance that an order is chosen for ([`Taylor::for_tolerance`](crate::Taylor::for_tolerance)). Let its terms
+/// tolerance that an order is chosen for ([`Taylor`](const@crate::Taylor)). Let its terms
 /// decay from that of order j like (h/ρ)ᵏ; each of the last [`WINDOW`] known ones gives a ρ.
 fn known<const K: usize>(coefficients: [f64; K], h: f64, order: usize) -> f64 {
     let end = order.min(K);

@@ -47,8 +47,7 @@ fn start() -> State<Double, 2> {
 /// The motion after a time, by Taylor series at 1e-31.
 fn exact(time: Double) -> State<Double, 2> {
     let system = kepler();
-    let run =
-        integrate(&system, LongTaylor::with_tolerance(1e-31), TaylorController::tolerance(1e-31), start());
+    let run = integrate(&system, LongTaylor, TaylorController::tolerance(1e-31), start());
     run.until(time).final_state().unwrap()
 }
 
@@ -142,8 +141,7 @@ fn linear_systems_are_propagated_with_all_digits() {
     let start = State::new(0.0, [0.9, 0.2], [-0.3, 1.1]).map(Double::from);
     let end =
         integrate(&system, MatrixExponential, FixedStep::new(time), start).until(time).final_state().unwrap();
-    let series =
-        integrate(&system, LongTaylor::with_tolerance(1e-31), TaylorController::tolerance(1e-31), start);
+    let series = integrate(&system, LongTaylor, TaylorController::tolerance(1e-31), start);
     let error = distance(&end, &series.until(time).final_state().unwrap());
     assert!(error.iter().all(|&error| error < 1e-29), "{error:?}");
 }

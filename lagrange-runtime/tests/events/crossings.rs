@@ -443,12 +443,7 @@ fn terminal_events_on_a_switch_end_the_run_there() {
     let landing = Landing::new(1000.0);
     let seen = |start, direction, tolerance: f64| {
         let event = Event::new(direction, |s: &State<f64, 1>| s.q[0]);
-        let run = integrate(
-            &landing,
-            Taylor::for_tolerance(tolerance),
-            TaylorController::tolerance(tolerance),
-            start,
-        );
+        let run = integrate(&landing, Taylor, TaylorController::tolerance(tolerance), start);
         run.until(10.0)
             .events(event.terminal())
             .final_state()

@@ -318,7 +318,7 @@ fn constraints_that_become_dependent_are_passed_or_named() {
         right_or_dependent(Dop853, pi, error);
         right_or_dependent(Verner9, pi, error);
         right_or_dependent(Rodas5P, pi, error);
-        right_or_dependent(Taylor::for_tolerance(tolerance), TaylorController::tolerance(tolerance), error);
+        right_or_dependent(Taylor, TaylorController::tolerance(tolerance), error);
     }
     for h in [0.01, 0.0073, 0.004] {
         right_or_dependent(Rk4, FixedStep::new(h), 1e4 * f64::powi(h, 4));

@@ -77,7 +77,7 @@ fn every_family_gives_the_same_bits() {
     both(double, Gauss4, fixed, start);
     both(double, Radau5, PiController::tolerance(1e-7), start);
     both(double, Rodas5P, PiController::tolerance(1e-7), start);
-    both(double, Taylor::for_tolerance(1e-9), TaylorController::tolerance(1e-9), start);
+    both(double, Taylor, TaylorController::tolerance(1e-9), start);
     both(double, VariationalMidpoint, fixed, start);
 }
 

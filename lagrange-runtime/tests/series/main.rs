@@ -99,8 +99,7 @@ fn end<Sys: Analytic<N, Scalar = f64>, const N: usize>(
     tolerance: f64,
     until: f64,
 ) -> State<f64, N> {
-    let run =
-        integrate(system, Taylor::for_tolerance(tolerance), TaylorController::tolerance(tolerance), start);
+    let run = integrate(system, Taylor, TaylorController::tolerance(tolerance), start);
     run.until(until).final_state().unwrap()
 }
 
@@ -207,12 +206,7 @@ fn constraints_are_kept() {
 fn the_interpolant_is_the_series() {
     let pendulum = Pendulum::new(0.85);
     let exact = SimplePendulum::new(pendulum.g, pendulum.l, 1.0, 0.0);
-    let run = integrate(
-        &pendulum,
-        Taylor::for_tolerance(1e-14),
-        TaylorController::tolerance(1e-14),
-        State::new(0.0, [1.0], [0.0]),
-    );
+    let run = integrate(&pendulum, Taylor, TaylorController::tolerance(1e-14), State::new(0.0, [1.0], [0.0]));
     for state in run.sample((1..200).map(|k| 0.037 * f64::from(k))) {
         let state = state.unwrap();
         assert!((state.q[0] - exact.state(state.t).0).abs() < 1e-12, "{state:?}");
@@ -323,10 +317,7 @@ fn all_pairs_of_roots_in_long_steps_are_found() {
         let g =
             |s: &State<f64, 1>| roots.iter().map(|root| s.t - root).product::<f64>() * (2.0 + s.q[0].cos());
         let control = TaylorController::tolerance(1e-9);
-        let run = || {
-            integrate(&pendulum, Taylor::for_tolerance(1e-9), control, State::new(0.0, [1e-3], [0.0]))
-                .until(1.2)
-        };
+        let run = || integrate(&pendulum, Taylor, control, State::new(0.0, [1e-3], [0.0])).until(1.2);
         longest = run().map(|step| step.unwrap().h).fold(longest, f64::max);
         let seen: Vec<_> = run().events(Event::either(g)).map(|event| event.unwrap().state.t).collect();
         assert_eq!(seen.len(), 6, "{trial}: {seen:?} of {roots:?}");
@@ -342,12 +333,7 @@ fn all_pairs_of_roots_in_long_steps_are_found() {
 #[test]
 fn bounces_restart_the_series() {
     let ball = Ball::new();
-    let run = integrate(
-        &ball,
-        Taylor::for_tolerance(1e-12),
-        TaylorController::tolerance(1e-12),
-        State::new(0.0, [1.0], [0.0]),
-    );
+    let run = integrate(&ball, Taylor, TaylorController::tolerance(1e-12), State::new(0.0, [1.0], [0.0]));
     let mut bounces = run.until(10.0).events(Event::falling(|s| s.q[0]).terminal());
     let fall = Functions::sqrt(2.0 / ball.g);
     for k in 0..8 {
@@ -368,10 +354,7 @@ fn thirty_digits_after_ten_periods() {
         time: DoubleDouble,
     ) -> State<DoubleDouble, N> {
         let control = TaylorController::tolerance(1e-30);
-        integrate(system, LongTaylor::with_tolerance(1e-30), control, start)
-            .until(time)
-            .final_state()
-            .unwrap()
+        integrate(system, LongTaylor, control, start).until(time).final_state().unwrap()
     }
     let missed = |end: DoubleDouble, start: DoubleDouble| (end - start).value().abs();
 
@@ -442,7 +425,7 @@ fn series_and_accelerations_have_the_same_constants() {
     let crane = Crane::<DoubleDouble>::default();
     let start = State::new(of(0.0), [of(0.5), of(-0.3), of(0.9)], [of(0.0); 3]);
     let control = TaylorController::tolerance(1e-30);
-    let run = integrate(&crane, LongTaylor::with_tolerance(1e-30), control, start).until(of(1.0));
+    let run = integrate(&crane, LongTaylor, control, start).until(of(1.0));
     let end = run.max_steps(100).final_state().unwrap();
     let strayed = crane.energy_at(&end) / crane.energy_at(&start) - of(1.0);
     assert!(strayed.value().abs() < 1e-28, "{strayed:?}");
@@ -457,7 +440,7 @@ fn gradients_are_those_of_closed_forms() {
     let [x, y, xd, yd, mu] = Gradient::variables([q[0], q[1], qd[0], qd[1], 1.0]);
     let start = State::new(Gradient::constant(0.0), [x, y], [xd, yd]);
     let kepler = Kepler { mu };
-    let run = integrate(&kepler, Taylor::for_tolerance(1e-16), TaylorController::tolerance(1e-16), start);
+    let run = integrate(&kepler, Taylor, TaylorController::tolerance(1e-16), start);
     let end = run.until(Gradient::constant(core::f64::consts::TAU)).final_state().unwrap();
     let force = [-1.0 / (q[0] * q[0]), 0.0];
     // ∂T/∂(x, y, ẋ, ẏ, μ) = 2π (3/2 ∂a − 1/2 ∂μ) at a = μ = 1, ∂a = −a² ∂(1/a).
@@ -490,7 +473,7 @@ fn gradients_are_those_of_the_variational_equations() {
     let [a, b, ad, bd] = Gradient::variables([1.2, -0.4, 0.3, 0.5]);
     let start = State::new(Gradient::constant(0.0), [a, b], [ad, bd]);
     let system = double.map(Gradient::constant);
-    let run = integrate(&system, Taylor::for_tolerance(1e-15), TaylorController::tolerance(1e-15), start);
+    let run = integrate(&system, Taylor, TaylorController::tolerance(1e-15), start);
     let end = run.until(Gradient::constant(3.0)).final_state().unwrap();
     for d in 0..4 {
         for i in 0..2 {
@@ -522,7 +505,7 @@ fn tolerances_below_rounding_reject_nothing() {
     for tolerance in [1e-16, 1e-18, 1e-21] {
         let (system, start) = (Top::new(1.0, 0.7, 1.3), State::new(0.0, [0.6, 0.0, 0.0], [0.1, 0.4, 3.0]));
         let control = TaylorController::tolerance(tolerance);
-        let mut run = integrate(&system, Taylor::for_tolerance(tolerance), control, start).until(300.0);
+        let mut run = integrate(&system, Taylor, control, start).until(300.0);
         run.run_to_end().unwrap();
         let statistics = run.statistics();
         assert!(50 * statistics.rejected < statistics.accepted, "{tolerance:e}: {statistics:?}");
@@ -551,8 +534,7 @@ fn energy_errors_grow_like_a_random_walk() {
             let start = starts(f64::from(n) / f64::from(all));
             let energy = |s: &State<f64, N>| system.energy(&s.q, &s.qd, s.t);
             let control = TaylorController::tolerance(TOLERANCE);
-            let mut run =
-                integrate(system, Taylor::for_tolerance(TOLERANCE), control, start).max_steps(u64::MAX);
+            let mut run = integrate(system, Taylor, control, start).max_steps(u64::MAX);
             for (square, n) in squares.iter_mut().zip(periods) {
                 run = run.until(n * period);
                 run.run_to_end().unwrap();
@@ -612,8 +594,7 @@ fn series_near_a_pole_are_as_good_as_accelerations() {
             .until(-0.5)
             .final_state()
             .unwrap();
-        let mut run =
-            integrate(&body, Taylor::for_tolerance(1e-9), TaylorController::tolerance(1e-9), back).until(0.5);
+        let mut run = integrate(&body, Taylor, TaylorController::tolerance(1e-9), back).until(0.5);
         run.run_to_end().unwrap();
         let drift = (body.energy_at(run.state()) - body.energy_at(&back)).abs();
         assert!(drift < 2e-9, "{k}: {drift:e}");
@@ -636,4 +617,31 @@ fn momenta_are_kept_near_a_pole() {
         let drift = (momenta(&end) - momenta(&nearest)).rows(1, 2).amax();
         assert!(drift < 1e-9, "{k}: {drift:e}");
     }
+}
+
+/// The order is that of the controller's tolerance, in every run, and the highest where there is none.
+#[test]
+fn the_tolerance_chooses_the_order() {
+    let (pendulum, start) = (Pendulum::new(1.0), State::new(0.0, [2.0], [0.0]));
+    for (tolerance, order) in [(1e-4, 12), (1e-8, 17), (1e-12, 20), (1e-15, 20)] {
+        let control = TaylorController::tolerance(tolerance);
+        let end = |method: Taylor| integrate(&pendulum, method, control, start).until(5.0).final_state().unwrap();
+        assert_eq!(end(Taylor), end(Taylor::of_order(order)), "{tolerance:e}");
+        let mut stepper = Stepper::new(pendulum, Taylor, control, start);
+        stepper.advance_to(5.0).unwrap();
+        assert_eq!(*stepper.state(), end(Taylor::of_order(order)), "{tolerance:e}");
+    }
+    // An absolute tolerance alone, and steps of one size.
+    let absolute = TaylorController::tolerance(1e-8).rtol(0.0);
+    let end = |method: Taylor| integrate(&pendulum, method, absolute, start).until(5.0).final_state().unwrap();
+    assert_eq!(end(Taylor), end(Taylor::of_order(20)));
+    let end = |method: Taylor| {
+        integrate(&pendulum, method, FixedStep::new(0.1), start).until(5.0).final_state().unwrap()
+    };
+    assert_eq!(end(Taylor), end(Taylor::of_order(20)));
+    // A step by hand.
+    let memory = Taylor.start(&pendulum, &start).unwrap();
+    let mut next = memory;
+    let step = Taylor.step(&pendulum, &memory, &start, 0.1, &mut next).unwrap();
+    assert!((step.to.q[0] - end(Taylor).q[0]).abs() > 1e-3 && step.to.q[0] < 2.0);
 }

@@ -211,8 +211,7 @@ fn the_polynomial_of_a_step_from_rest_is_its_interpolant() {
             .collect()
     };
     let times = (1..=50).map(|k| 0.02 * f64::from(k));
-    let run =
-        integrate(&ball, Taylor::for_tolerance(1e-12), TaylorController::tolerance(1e-12), REST).until(1.0);
+    let run = integrate(&ball, Taylor, TaylorController::tolerance(1e-12), REST).until(1.0);
     for (seen, exact) in run.sample(times).map(Result::unwrap).zip(&exact) {
         let error = lagrange_runtime::testing::distance(&seen, exact);
         assert!(error < 1e-11, "{} {error:e}", seen.t);
@@ -231,7 +230,7 @@ fn bodies_that_touch_exactly_at_rest() {
     // ẋ²/2 = g x − k x^(5/2), down and up again.
     let (k, g) = (100.0, 2.0);
     for tolerance in [1e-9, 1e-12] {
-        let method = Taylor::for_tolerance(tolerance);
+        let method = Taylor;
         let pressed = |t: f64| {
             let system = Contact::new(k, g);
             integrate(&system, method, TaylorController::tolerance(tolerance), REST)

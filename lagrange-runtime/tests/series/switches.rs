@@ -82,12 +82,7 @@ fn a_force_that_jumps_is_followed_to_rounding() {
             assert!((end.q[0] - x).abs() < 1e-13 && (end.qd[0] - v).abs() < 1e-13, "{t}: {end:?} {x} {v}");
         }
         let there = end(&system, start, tolerance, 7.0);
-        let back = integrate(
-            &system,
-            Taylor::for_tolerance(tolerance),
-            TaylorController::tolerance(tolerance),
-            there,
-        );
+        let back = integrate(&system, Taylor, TaylorController::tolerance(tolerance), there);
         let back = back.until(0.0).final_state().unwrap();
         assert!((back.q[0] - 0.7).abs() < 1e-13 && back.qd[0].abs() < 1e-13, "{back:?}");
     }
@@ -115,7 +110,7 @@ fn dry_friction_by_pieces_of_sinusoids_until_it_holds() {
     let system = Block::new(k, mu);
     let half = PI / 2.0;
     let start = State::new(0.0, [x], [0.0]);
-    let mut run = integrate(&system, Taylor::for_tolerance(1e-15), TaylorController::tolerance(1e-15), start);
+    let mut run = integrate(&system, Taylor, TaylorController::tolerance(1e-15), start);
     let exact = |t: f64| {
         let n = (t / half) as i32;
         let sign = if n % 2 == 0 { 1.0 } else { -1.0 };
@@ -219,7 +214,7 @@ fn gradients_across_switches() {
     let [x, g] = Gradient::variables([0.7, 1.3]);
     let start = State::new(Gradient::constant(0.0), [x], [Gradient::constant(0.0)]);
     let system = Wedge { g };
-    let run = integrate(&system, Taylor::for_tolerance(1e-15), TaylorController::tolerance(1e-15), start);
+    let run = integrate(&system, Taylor, TaylorController::tolerance(1e-15), start);
     let end = run.until(Gradient::constant(9.1)).final_state().unwrap();
     let d = 1e-5;
     let slope = |a: (f64, f64), b: (f64, f64)| [(a.0 - b.0) / (2.0 * d), (a.1 - b.1) / (2.0 * d)];
@@ -237,7 +232,7 @@ fn gradients_across_switches() {
 fn what_stays_on_a_switch_says_so() {
     let system = Wedge::new(1.0);
     let start = State::new(0.0, [0.0], [0.0]);
-    let run = integrate(&system, Taylor::for_tolerance(1e-9), TaylorController::tolerance(1e-9), start);
+    let run = integrate(&system, Taylor, TaylorController::tolerance(1e-9), start);
     assert_eq!(run.until(1.0).final_state().unwrap_err().failure, Failure::Sliding { t: 0.0 });
 }
 
@@ -248,12 +243,7 @@ fn a_condition_may_be_on_its_border_for_long() {
     for tolerance in [1e-6, 1e-15] {
         let run = |end: f64| {
             let start = State::new(0.0, [1.0], [0.0]);
-            let run = integrate(
-                &system,
-                Taylor::for_tolerance(tolerance),
-                TaylorController::tolerance(tolerance),
-                start,
-            );
+            let run = integrate(&system, Taylor, TaylorController::tolerance(tolerance), start);
             run.until(end).final_state().expect("two parabolas")
         };
         let above = run(1.0);
@@ -266,7 +256,7 @@ fn a_condition_may_be_on_its_border_for_long() {
     }
     // From below, up to 0 and beyond.
     let start = State::new(0.0, [-1.0], [3.0]);
-    let run = integrate(&system, Taylor::for_tolerance(1e-12), TaylorController::tolerance(1e-12), start);
+    let run = integrate(&system, Taylor, TaylorController::tolerance(1e-12), start);
     let end = run.until(1.0).final_state().expect("two parabolas");
     // −1 + 3 t − t² = 0.
     let through = 0.5 * (3.0 - 5f64.sqrt());

@@ -506,12 +506,7 @@ fn a_switch_without_velocity_is_no_sliding() {
                 let (pi, decay) =
                     (PiController::tolerance(tolerance), TaylorController::tolerance(tolerance));
                 for (method, end) in [
-                    (
-                        "Taylor",
-                        integrate(&above, Taylor::for_tolerance(tolerance), decay, start)
-                            .until(end)
-                            .final_state(),
-                    ),
+                    ("Taylor", integrate(&above, Taylor, decay, start).until(end).final_state()),
                     ("Dop853", integrate(&by_address, Dop853, pi, start).until(end).final_state()),
                     ("Radau5", integrate(&by_address, Radau5, pi, start).until(end).final_state()),
                 ] {
@@ -668,7 +663,7 @@ fn kinks_are_followed(systems: u64) {
         followed += 1;
         for tolerance in [1e-5, 1e-8, 1e-11] {
             let mut all = vec![
-                ("Taylor", run!(Taylor::for_tolerance(tolerance), TaylorController::tolerance(tolerance))),
+                ("Taylor", run!(Taylor, TaylorController::tolerance(tolerance))),
                 ("Dop853", run!(Dop853, PiController::tolerance(tolerance))),
                 ("DormandPrince5", run!(DormandPrince5, PiController::tolerance(tolerance))),
             ];

@@ -110,7 +110,7 @@ pub fn by_series<G: Golden<N>, const N: usize>(
         })
     };
     let recurrences = Recurrences { accelerations, series: &series };
-    steps_of(&recurrences, Taylor::for_tolerance(1e-15), TaylorController::tolerance(1e-15), start, times)
+    steps_of(&recurrences, Taylor, TaylorController::tolerance(1e-15), start, times)
 }
 
 fn steps<S: Real, const N: usize>(

@@ -207,7 +207,7 @@ pub mod several_mistakes {
         let system = Cart::new(1.0, 0.5, 0.1);
         let (q, qd) = (SVector::from([0.1, 0.1]), SVector::from([0.0, 0.0]));
         // (Series of a system that has mistakes are not called missing.)
-        let _ = integrate(&system, Taylor::for_tolerance(1e-9), TaylorController::tolerance(1e-9), State::new(0.0, [0.1; 2], [0.0; 2]));
+        let _ = integrate(&system, Taylor, TaylorController::tolerance(1e-9), State::new(0.0, [0.1; 2], [0.0; 2]));
         println!("{} {}", system.accel(&q, &qd, 0.0), system.energy(&q, &qd, 0.0));
     }
 }

@@ -37,7 +37,7 @@ fn points<Sys: Analytic<N, Scalar = f64>, const N: usize>(
     }
     for tolerance in (10..=31).map(|k| 10f64.powf(-0.5 * f64::from(k))) {
         let run = |end: f64| {
-            let (method, control) = (Taylor::for_tolerance(tolerance), TaylorController::tolerance(tolerance));
+            let (method, control) = (Taylor, TaylorController::tolerance(tolerance));
             integrate(black_box(system), method, control, start).until(end)
         };
         let errors = exact.iter().map(|at| distance(&run(at.t).final_state().expect("a regular motion"), at));
@@ -70,7 +70,7 @@ chain!(Chain20, 20);
 fn steps<Sys: Analytic<N, Scalar = f64> + lagrange_runtime::Energies<N>, const N: usize>(system: &Sys) {
     let start = State::new(0.0, std::array::from_fn(|i| 0.5 + 0.1 * i as f64), [0.0; N]);
     let run = || {
-        let run = integrate(black_box(system), Taylor::for_tolerance(1e-15), TaylorController::tolerance(1e-15), start);
+        let run = integrate(black_box(system), Taylor, TaylorController::tolerance(1e-15), start);
         let mut run = run.until(10.0);
         run.run_to_end().expect("a regular motion");
         let statistics = run.statistics();
@@ -98,7 +98,7 @@ fn lanes() {
     });
     let starts: Vec<[f64; 2]> = starts.collect();
     for tolerance in [1e-9, 1e-15] {
-        let (method, control) = (Taylor::for_tolerance(tolerance), TaylorController::tolerance(tolerance));
+        let (method, control) = (Taylor, TaylorController::tolerance(tolerance));
         let study = || {
             let draw = |q: [f64; 2]| {
                 (problems::DoublePendulum::new(0.7, 0.4, 0.8, 0.6, 9.81), State::new(0.0, q, [0.0; 2]))

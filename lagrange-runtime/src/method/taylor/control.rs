@@ -239,6 +239,11 @@ impl<S: Real, A: AbsoluteTolerance<N>, const N: usize> Controller<S, N, Remainde
     }
 
     #[inline(always)]
+    fn relative_tolerance(&self) -> Option<f64> {
+        Some(self.relative).filter(|relative| *relative > 0.0)
+    }
+
+    #[inline(always)]
     fn max_step(&self) -> f64 {
         self.longest
     }

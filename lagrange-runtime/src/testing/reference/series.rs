@@ -59,8 +59,7 @@ impl<Sys: Analytic<N, Scalar = DoubleDouble>, const N: usize> SeriesMotion<Sys, 
     /// # Errors
     /// That of the run.
     pub fn digits(&self, t: f64) -> Result<State<DoubleDouble, N>, Failure> {
-        let (method, control) =
-            (LongTaylor::with_tolerance(TOLERANCE), TaylorController::tolerance(TOLERANCE));
+        let (method, control) = (LongTaylor, TaylorController::tolerance(TOLERANCE));
         let run = integrate(&self.system, method, control, self.start);
         run.until(DoubleDouble::from(t))
             .final_state()
