@@ -303,11 +303,9 @@ fn samples(count: u64) -> Result<(), Box<dyn Error>> {
         .progress(|progress| bar.set_position(progress.done))
         .reduce(|_, run| Ok(run.final_state()?.q[0]), Moments)?;
         bar.finish_and_clear();
-        let mut kinds: BTreeMap<String, u64> = BTreeMap::new();
+        let mut kinds: BTreeMap<&str, u64> = BTreeMap::new();
         for failed in &outcome.failures.kept {
-            let said = format!("{:?}", failed.failure);
-            let kind = said.split(' ').next().unwrap_or_default().to_string();
-            *kinds.entry(kind).or_default() += 1;
+            *kinds.entry(failed.failure.name()).or_default() += 1;
         }
         let (failures, moment) = (&outcome.failures, &outcome.statistic);
         assert_eq!(failures.count + moment.count(), size, "every sample is counted once");

@@ -367,10 +367,7 @@ where
             let off = (0..N).map(|i| (at.q[i].to_f64() - exact[i]).abs()).fold(0.0, f64::max);
             Cell::Seen(if off <= bound { "right".into() } else { format!("wrong by {off:e}") })
         }
-        Err(failed) => {
-            let text = format!("{:?}", failed.failure);
-            Cell::Seen(format!("`{}`", text.split([' ', '{']).next().unwrap()))
-        }
+        Err(failed) => Cell::Seen(format!("`{}`", failed.failure.name())),
     }
 }
 
@@ -598,10 +595,7 @@ fn the_table_of_methods() {
         } else {
             format!("wrong: {at} for {exact}")
         }),
-        Err(failure) => {
-            let text = format!("{failure:?}");
-            Cell::Seen(format!("`{}`", text.split([' ', '{']).next().unwrap()))
-        }
+        Err(failure) => Cell::Seen(format!("`{}`", failure.name())),
     };
     macro_rules! simulated {
         ($system:expr, $motion:expr) => {{

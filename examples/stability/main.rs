@@ -131,8 +131,7 @@ fn map(rows: &[Row]) -> Map {
 
 /// The variant alone.
 fn name(failure: &Failure) -> String {
-    let debug = format!("{failure:?}");
-    debug.split([' ', '{']).next().unwrap_or_default().to_owned()
+    failure.name().to_owned()
 }
 
 fn csv(rows: &[Row]) -> String {

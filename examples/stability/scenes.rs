@@ -342,8 +342,7 @@ pub fn sweep(name: &str, runs: u32) -> BTreeMap<(String, &'static str), Counts> 
                     match outcome {
                         Outcome::Correct(_) => of.right += 1,
                         Outcome::Failed { failure, .. } => {
-                            let kind = format!("{failure:?}").split([' ', '{']).next().unwrap_or_default().to_owned();
-                            *of.failed.entry(kind).or_default() += 1;
+                            *of.failed.entry(failure.name().to_owned()).or_default() += 1;
                             if !(scene.expected)(&failure) {
                                 of.undeclared.push(format!("{told}: {failure}"));
                             }

@@ -303,7 +303,7 @@ pub const TRAITS: &[Trait] = &[
     of_trait("Energies", N, &["energy", "energy_at", "kinetic_at", "potential_at"]),
     of_trait("LegendreTransform", N, &[]),
     of_trait("Constrained", &[Size::Coordinates, Size::Constraints], &["constraint_forces", "constraints_at", "constraint_rates_at", "multipliers_at", "constraint_forces_at"]),
-    of_trait("Impulsive", N, &["jump"]),
+    of_trait("Impulsive", N, &["jump", "rebound"]),
     of_trait("Prescribed", &[Size::Coordinates, Size::Prescribed], &["reactions_at"]),
     of_trait("Linearize", N, &["linearize_at"]),
     of_trait("Analytic", N, &["switching", "series_within", "sides", "series"]),

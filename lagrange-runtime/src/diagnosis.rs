@@ -13,6 +13,12 @@ impl Coordinate {
     pub fn of<Sys: Lagrangian<N>, const N: usize>(index: usize) -> Self {
         Coordinate { index, name: Sys::FACTS.coordinates.get(index).copied().unwrap_or_default() }
     }
+
+    /// The coordinate at `index` of a system that only its matrices are known of.
+    #[cfg(feature = "analysis")]
+    pub(crate) fn unnamed(index: usize) -> Self {
+        Coordinate { index, name: "" }
+    }
 }
 
 /// The reason why a Lagrangian system has no finite accelerations at `at`: its inertia matrix is singular, or else

@@ -17,7 +17,7 @@ pub struct Statistics {
 }
 
 /// A run that did not reach its end: why, and how far it came.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, PartialEq)]
 pub struct Failed<S, const N: usize> {
     /// Cause of the failure.
     pub failure: Failure<S>,
@@ -32,6 +32,13 @@ pub struct Failed<S, const N: usize> {
 impl<S: fmt::Debug, const N: usize> fmt::Display for Failed<S, N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} (the last good state is at t = {:?})", self.failure, self.last.t)
+    }
+}
+
+/// As an error that `main` returns is printed.
+impl<S: fmt::Debug, const N: usize> fmt::Debug for Failed<S, N> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {self}", self.failure.name())
     }
 }
 

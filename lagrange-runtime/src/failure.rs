@@ -101,7 +101,7 @@ impl fmt::Display for Requirement {
 /// assert!(failure.to_string().starts_with("at t = 1.5 the step size fell to 1e-17"));
 /// ```
 #[non_exhaustive]
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum Failure<S = f64> {
     /// The controller asked for a step that no longer changes the time.
@@ -345,6 +345,44 @@ pub enum Failure<S = f64> {
     },
 }
 
+/// The name of the variant of an error.
+macro_rules! variant {
+    ($error:expr => $of:ident: $($variant:ident),* $(,)?) => {
+        match $error {
+            $($of::$variant { .. } => stringify!($variant),)*
+        }
+    };
+}
+pub(crate) use variant;
+
+/// The debug form of an error is its text: Rust prints that form of an error that `main` returns.
+macro_rules! debug_is_text {
+    ([$($generics:tt)*] $error:ty) => {
+        impl<$($generics)*> core::fmt::Debug for $error {
+            fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+                core::fmt::Display::fmt(self, f)
+            }
+        }
+    };
+}
+pub(crate) use debug_is_text;
+
+impl<S> Failure<S> {
+    /// Its name, by which the guide's chapter on failures explains it: `"StepSizeUnderflow"`.
+    pub fn name(&self) -> &'static str {
+        variant! { self => Failure:
+            StepSizeUnderflow, NonFinite, Quadrature, SingularInertia, Cancellation, NotConverged, SingularStep, InvariantLost, ConstraintViolated, ConstraintDrift, DependentConstraints, Bifurcation, OutsideModel, BudgetUsedUp, Sliding, NoDerivative, Unsuitable, BadTolerance, BadStepSize, WrongDirection, TimeGoesBack, BadPeriod, InputNotFinite, BadEnd, SampleOrder, SampleBeyondEnd, EventNotFinite, EventNotBracketed, EventsAccumulate, EventsUnresolved,
+        }
+    }
+}
+
+/// The name and the text, since that is how an error that `main` returns is printed.
+impl<S: fmt::Debug> fmt::Debug for Failure<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {self}", self.name())
+    }
+}
+
 impl<S: fmt::Debug> fmt::Display for Failure<S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -440,7 +478,7 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                 write!(
                     f,
                     "the budget of {max_steps} attempted steps was used up at t = {t:?}, where the step size was \
-                     {h:?}; raise `max_steps`, {otherwise}"
+                     {h:?} (a run without `until` has no end before that); raise `max_steps`, {otherwise}"
                 )
             }
             Failure::Sliding { t } => write!(

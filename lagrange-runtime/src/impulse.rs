@@ -23,6 +23,33 @@ pub struct Jump<S, const N: usize> {
     message = "impulses need a Lagrangian that is quadratic in the velocities, which that of `{Self}` is not"
 )]
 pub trait Impulsive<const N: usize>: Lagrangian<N> {
+    /// The jump at an impact of a point on a body that does not move, without friction: the rate `n·q̇` at which the
+    /// point moves along the normal becomes `−e n·q̇` with the coefficient of restitution e (Newton), by an impulse
+    /// along the normal.
+    ///
+    /// `normal` is n, the generalized impulse of a unit impulse at the point along the normal, from the function of
+    /// an `impulse name at [x, y];` statement. (Velocities do no virtual work, so that the same n takes q̇ to the
+    /// velocity of the point.) The impulse is `−(1 + e) n·q̇ / (n·M⁻¹ n)`, under constraints with the response that
+    /// they admit.
+    ///
+    /// # Hypotheses
+    /// - The point is one of the system, whose position does not depend on time, and it can move along the normal:
+    ///   otherwise velocities are not finite.
+    fn rebound(
+        &self,
+        at: &State<Self::Scalar, N>,
+        normal: &SVector<Self::Scalar, N>,
+        restitution: Self::Scalar,
+    ) -> Jump<Self::Scalar, N> {
+        let along = |qd: &SVector<Self::Scalar, N>| {
+            (0..N).fold(Self::Scalar::zero(), |sum, i| sum + normal[i] * qd[i])
+        };
+        let unit = self.jump(at, normal);
+        let (speed, gained) = (along(&at.qd), along(&(unit.after.qd - at.qd)));
+        let impulse = -(Self::Scalar::one() + restitution) * speed / gained;
+        self.jump(at, &(normal * impulse))
+    }
+
     /// The jump `q̇⁺ = q̇⁻ + M⁻¹ (P + Aᵀ Λ)` by a generalized impulse P, an entry for each coordinate: the time
     /// integral of the generalized forces over a blow so short that nothing moves. Λ are the impulses of the
     /// constraints. A force impulse at a point becomes a generalized one by the function of an

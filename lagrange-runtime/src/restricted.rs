@@ -4,6 +4,7 @@
 //! equations of motion hold there for whatever the others do. The system that is left is then no approximation, and a
 //! [`restriction`](Restricted) of the whole one.
 
+use crate::failure::debug_is_text;
 use crate::scalar::{Real, Scalar};
 use crate::state::State;
 use crate::system::Lagrangian;
@@ -123,7 +124,7 @@ pub trait Restricted<const N: usize, const HELD: usize, const WHOLE: usize>: Lag
 }
 
 /// A state of the whole system that a restricted one cannot have.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, PartialEq)]
 pub struct NotHeld<S> {
     /// The coordinate that is not where it is held.
     pub coordinate: &'static str,
@@ -145,5 +146,7 @@ impl<S: fmt::Debug> fmt::Display for NotHeld<S> {
         )
     }
 }
+
+debug_is_text! { [S: fmt::Debug] NotHeld<S> }
 
 impl<S: fmt::Debug> core::error::Error for NotHeld<S> {}

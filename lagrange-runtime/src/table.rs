@@ -5,6 +5,7 @@
 mod pieces;
 
 use crate::external::ExternFunction;
+use crate::failure::debug_is_text;
 use crate::scalar::Scalar;
 use core::fmt;
 pub use pieces::Beyond;
@@ -12,7 +13,7 @@ use pieces::{Piece, Rule, interval, pieces};
 use std::sync::Arc;
 
 /// A reason why data are no table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum InvalidTable {
     /// There are fewer than two knots along an axis.
@@ -68,6 +69,8 @@ impl fmt::Display for InvalidTable {
         }
     }
 }
+
+debug_is_text! { [] InvalidTable }
 
 impl core::error::Error for InvalidTable {}
 

@@ -70,7 +70,10 @@ fn a_hoop_on_a_circle() {
     let mut off = at;
     off.q[3] += 0.01;
     let error = SmallMotion::steady(&hoop, &off).unwrap_err();
-    assert!(matches!(error, AnalysisError::NotEquilibrium { coordinate: 3, .. }), "{error}");
+    assert!(
+        matches!(error, AnalysisError::NotEquilibrium { coordinate, .. } if coordinate.index == 3),
+        "{error}"
+    );
     // It leans over at a rate: the lean acts on the small motions, and has no constant value.
     let mut falls = at;
     falls.qd[3] = 0.1;

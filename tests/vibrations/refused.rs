@@ -76,7 +76,7 @@ fn no_equilibrium_and_the_nearest_one() {
     let AnalysisError::NotEquilibrium { residual, coordinate, nearest: Some(nearest) } = &error else {
         panic!("{error}")
     };
-    assert!((residual - 1.1 * 9.81 * 0.8 * 0.1f64.sin()).abs() < 1e-12 && *coordinate == 0);
+    assert!((residual - 1.1 * 9.81 * 0.8 * 0.1f64.sin()).abs() < 1e-12 && coordinate.index == 0);
     assert!(nearest.iter().all(|q| q.abs() < 1e-12));
     assert!(error.to_string().contains("the nearest one found is at ["));
     let error = small_vibrations(&Falling::default(), &[0.0]).unwrap_err();
@@ -87,10 +87,10 @@ fn no_equilibrium_and_the_nearest_one() {
 #[test]
 fn singular_and_indefinite_inertia() {
     let error = small_vibrations(&Polar::new(1.0), &[0.0, 0.0]).unwrap_err();
-    assert!(matches!(error, AnalysisError::Inertia { coordinate: 1, .. }), "{error}");
+    assert!(matches!(error, AnalysisError::Inertia { coordinate, .. } if coordinate.index == 1), "{error}");
     let error = small_vibrations(&Indefinite::new(1.0), &[0.0, 0.0]).unwrap_err();
     assert!(
-        matches!(error, AnalysisError::Inertia { coordinate: 1, eigenvalue } if eigenvalue < 0.0),
+        matches!(error, AnalysisError::Inertia { coordinate, eigenvalue } if coordinate.index == 1 && eigenvalue < 0.0),
         "{error}"
     );
 }

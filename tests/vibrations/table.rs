@@ -19,9 +19,8 @@ const TYPE: Cell = Cell::None("its type says `f64`, and rustc rejects another sc
 const BY_TOLERANCE: Cell =
     Cell::None("a tolerance chooses the steps; those of one size over switches are `Unsuitable`");
 
-fn variant(x: &impl Debug) -> String {
-    let text = format!("{x:?}");
-    format!("`{}`", text.split([' ', '(', '{']).next().unwrap())
+fn variant(name: &str) -> String {
+    format!("`{name}`")
 }
 
 /// The error, or "right" if it is.
@@ -29,16 +28,16 @@ fn right<T: Debug>(result: Result<T, AnalysisError>, is: impl FnOnce(&T) -> bool
     Cell::Seen(match result {
         Ok(found) if is(&found) => "right".into(),
         Ok(found) => format!("wrong: {:.300}", format!("{found:?}")),
-        Err(AnalysisError::Run(failure)) => variant(&failure),
-        Err(error) => variant(&error),
+        Err(AnalysisError::Run(failure)) => variant(failure.name()),
+        Err(error) => variant(error.name()),
     })
 }
 
 /// The verdict on stability, or the error.
 fn verdict(result: Result<Stability, AnalysisError>) -> Cell {
     Cell::Seen(match result {
-        Ok(stability) => variant(&stability),
-        Err(error) => variant(&error),
+        Ok(stability) => variant(format!("{stability:?}").split([' ', '(', '{']).next().unwrap()),
+        Err(error) => variant(error.name()),
     })
 }
 
@@ -817,7 +816,7 @@ where
             let off = if off < 0.0 { -off } else { off };
             Cell::Seen(if off < bound { "right".into() } else { format!("wrong by {off:e}") })
         }
-        Err(failed) => Cell::Seen(variant(&failed.failure)),
+        Err(failed) => Cell::Seen(variant(failed.failure.name())),
     }
 }
 

@@ -196,7 +196,7 @@ fn stubs(runtime: &TokenStream, header: &Header, statements: &[Statement]) -> To
     }
 }
 
-/// What stubs are made of, as far as it can be read off.
+/// The parts of stubs, as far as they can be read off.
 struct Stubs<'a> {
     runtime: &'a TokenStream,
     name: &'a Ident,

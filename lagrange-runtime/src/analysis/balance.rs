@@ -2,6 +2,7 @@
 
 use super::AnalysisError;
 use crate::attitude::steps::shortened_place;
+use crate::failure::Coordinate;
 use nalgebra::{DMatrix, DVector, SVD, SVector};
 
 /// Corrections of Newton's method below this, relative to `1 + |qᵢ|`, are what is left of rounding errors, also where
@@ -119,7 +120,10 @@ pub(super) fn balanced(
         derivatives.row(i).iter().zip(at.iter()).map(|(d, x)| d.abs() * (1.0 + x.abs())).sum::<f64>()
     };
     let coordinate = left.iamax();
-    let unbalanced = Err(AnalysisError::Unbalanced { force: left[coordinate].abs(), coordinate });
+    let unbalanced = Err(AnalysisError::Unbalanced {
+        force: left[coordinate].abs(),
+        coordinate: Coordinate::unnamed(coordinate),
+    });
     if (0..left.len()).any(|i| left[i].abs() > rounding * change(i)) {
         return unbalanced;
     }

@@ -15,6 +15,7 @@ use super::tangent::{
 use super::{AnalysisError, DVector, SmallMotion, Stability};
 use crate::controller::FixedStep;
 use crate::facts::ConstraintKind;
+use crate::failure::Coordinate;
 use crate::integrate::integrate;
 use crate::method::explicit_rk::Rk4;
 use crate::state::State;
@@ -86,6 +87,7 @@ pub(super) fn steady<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     if let Some(&coordinate) = first.0.velocities.iter().find(|i| accelerates(**i)) {
         let inertia = system.inertia(&at.q, &at.qd, at.t);
         let residual = (inertia * accelerations).amax();
+        let coordinate = Coordinate::of::<Sys, N>(coordinate);
         return Err(AnalysisError::NotEquilibrium { residual, coordinate, nearest: None });
     }
     let (space, matrices) = constant(system, [at, &ahead.unwrap_or(*at)], &all, first, &accelerates)?;
@@ -297,8 +299,8 @@ pub(super) fn balanced(
     let found = balance(what, DVector::from_fn(n + count, |i, _| first(i)), &forces, &stiffness, attitudes);
     let Balance { q, last, stiffness_aside } = match found {
         // What is left is a violation of a constraint that no displacement changes.
-        Err(AnalysisError::Unbalanced { force, coordinate }) if coordinate >= n => {
-            let constraint = all[coordinate - n].of.name;
+        Err(AnalysisError::Unbalanced { force, coordinate }) if coordinate.index >= n => {
+            let constraint = all[coordinate.index - n].of.name;
             return Err(AnalysisError::OffConstraints { constraint, violation: force / unit });
         }
         other => other?,

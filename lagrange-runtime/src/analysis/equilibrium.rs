@@ -6,6 +6,7 @@ use super::hypotheses::{autonomous, second_order};
 use super::switch::{linearized, smooth};
 use super::{AnalysisError, SmallMotion, Stability};
 use crate::attitude;
+use crate::failure::Coordinate;
 use crate::state::State;
 use crate::system::Linearize;
 use nalgebra::{DMatrix, DVector, SVector};
@@ -84,6 +85,7 @@ pub fn small_vibrations<Sys: Linearize<N, Scalar = f64>, const N: usize>(
         [] => worst(&rest(system, &here, 0.0)),
         _ => constrained::left(system, &here)?,
     };
+    let coordinate = Coordinate::of::<Sys, N>(coordinate);
     let refused = |nearest| AnalysisError::NotEquilibrium { residual, coordinate, nearest };
     let found = match equilibrium(system, q) {
         Err(AnalysisError::NotConverged { .. } | AnalysisError::Unbalanced { .. }) => {

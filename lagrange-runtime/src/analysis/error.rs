@@ -1,18 +1,18 @@
 //! Why an analysis has no result.
 
-use crate::failure::Failure;
+use crate::failure::{Coordinate, Failure, variant};
 use std::fmt;
 
 /// Why there are no modes, no equilibrium, no exponent. Its text is a sentence that ends in what to try next.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, PartialEq)]
 #[non_exhaustive]
 pub enum AnalysisError {
     /// The given configuration is no equilibrium.
     NotEquilibrium {
         /// The largest generalized force that is left, `max |b − f|` at rest.
         residual: f64,
-        /// Index of its coordinate.
-        coordinate: usize,
+        /// Its coordinate.
+        coordinate: Coordinate,
         /// The equilibrium that Newton's method reaches from there.
         nearest: Option<Vec<f64>>,
     },
@@ -20,8 +20,8 @@ pub enum AnalysisError {
     Inertia {
         /// Smallest eigenvalue of the inertia matrix, scaled to a unit diagonal.
         eigenvalue: f64,
-        /// Index of the coordinate that moves most along its eigenvector.
-        coordinate: usize,
+        /// The coordinate that moves most along its eigenvector.
+        coordinate: Coordinate,
     },
     /// Time appears in the equations of motion ([`Facts::autonomous`](crate::Facts::autonomous) is not proved): there
     /// is no equilibrium, and small motions have no constant coefficients.
@@ -98,8 +98,8 @@ pub enum AnalysisError {
     Unbalanced {
         /// The force.
         force: f64,
-        /// Index of its coordinate.
-        coordinate: usize,
+        /// Its coordinate.
+        coordinate: Coordinate,
     },
     /// A state of first order has a rate that neither coordinates nor states change, as the integrator of a
     /// controller whose command is not 0.
@@ -135,6 +135,22 @@ pub enum AnalysisError {
     },
     /// A trajectory failed.
     Run(Failure<f64>),
+}
+
+impl AnalysisError {
+    /// Its name: `"TimeDependent"`.
+    pub fn name(&self) -> &'static str {
+        variant! { self => AnalysisError:
+            NotEquilibrium, Inertia, TimeDependent, UnsymmetricInertia, Switch, NegativeDamping, DependentCoordinates, OffConstraints, DependentConstraints, ConstrainedInput, Circulatory, Gyroscopic, NotFinite, Dimension, NotConverged, Unbalanced, Running, AtRest, Unresolved, NoSteadyMotion, NotApplicable, Resonance, Run,
+        }
+    }
+}
+
+/// The name and the text, since that is how an error that `main` returns is printed.
+impl fmt::Debug for AnalysisError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {self}", self.name())
+    }
 }
 
 impl fmt::Display for AnalysisError {
@@ -175,7 +191,8 @@ impl fmt::Display for AnalysisError {
             TimeDependent => write!(
                 f,
                 "time appears in the equations of motion: equilibria and small vibrations need an autonomous system, such as one in a \
-                 steadily moving frame in which time drops out; integrate it, or define it without its forces of time"
+                 steadily moving frame in which time drops out; integrate it, or derive a system without its force of time, with \
+                 `pub simplified Free: neglect F0;` in the definition, F0 being the factor of that force"
             ),
             DependentCoordinates { constraint } => write!(
                 f,

@@ -4,6 +4,7 @@ use super::balance::{balanced, smallest_solution};
 use super::hypotheses::autonomous;
 use super::switch::smooth;
 use super::{AnalysisError, StateSpace};
+use crate::failure::Coordinate;
 use crate::state::State;
 use crate::system::Lagrangian;
 use nalgebra::{Complex, DMatrix, DVector};
@@ -123,9 +124,10 @@ pub fn operating_point<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
                 [DMatrix::from_column_slice(N, 1, accel.as_slice()), DMatrix::identity(N, N), qd, q]
             })?;
             balanced(&left, &derivatives(&state), &x, &|x| Ok(rates(x))).map_err(|error| match error {
-                AnalysisError::Unbalanced { force: rate, coordinate } if coordinate >= mechanical => {
-                    let state = Sys::FACTS.coordinates.get(coordinate).copied().unwrap_or_default();
-                    AnalysisError::Running { state, rate }
+                AnalysisError::Unbalanced { force: rate, coordinate: Coordinate { index, .. } }
+                    if index >= mechanical =>
+                {
+                    AnalysisError::Running { state: Coordinate::of::<Sys, N>(index).name, rate }
                 }
                 other => other,
             })?;

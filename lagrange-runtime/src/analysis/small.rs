@@ -6,6 +6,7 @@ use super::motion::{antisymmetric, symmetric};
 use super::quadratic::equilibrated;
 use super::switch::{linearized, smooth};
 use super::{AnalysisError, Modes, SmallMotion, Spectrum, modes, spectrum};
+use crate::failure::Coordinate;
 use crate::state::State;
 use crate::system::{Lagrangian, Linearize};
 use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
@@ -120,6 +121,7 @@ impl SmallMotion {
             };
             let residual = rest[coordinate].abs();
             if residual > UNSTEADY * (0..N).map(change).sum::<f64>() {
+                let coordinate = Coordinate::of::<Sys, N>(coordinate);
                 return Err(AnalysisError::NotEquilibrium { residual, coordinate, nearest: None });
             }
         }
@@ -376,7 +378,7 @@ fn factored(m: &DMatrix<f64>) -> Result<DMatrix<f64>, AnalysisError> {
         .enumerate()
         .fold((0, f64::INFINITY), |least, next| if next.1 < least.1 { next } else { least });
     let refused = || {
-        let coordinate = eigen.eigenvectors.column(place).iamax();
+        let coordinate = Coordinate::unnamed(eigen.eigenvectors.column(place).iamax());
         AnalysisError::Inertia { eigenvalue, coordinate }
     };
     if eigenvalue <= n as f64 * f64::EPSILON {

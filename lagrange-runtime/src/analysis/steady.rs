@@ -11,6 +11,7 @@ use super::switch::{linearized, smooth};
 use super::tangent::{Held, TangentSpace, classes, fulfilled, stiffness_of_forces, units};
 use super::{AnalysisError, SmallMotion};
 use crate::event::first_zero;
+use crate::failure::Coordinate;
 use crate::linear::lu_solve;
 use crate::state::State;
 use crate::system::{Lagrangian, Linearize};
@@ -115,8 +116,10 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         for (place, &i) in self.ignorable.iter().enumerate() {
             right[i] = change(place, rest[i]);
         }
-        lu_solve(&held, &right)
-            .map_err(|singular| AnalysisError::Inertia { eigenvalue: 0.0, coordinate: singular.pivot })
+        lu_solve(&held, &right).map_err(|singular| AnalysisError::Inertia {
+            eigenvalue: 0.0,
+            coordinate: Coordinate::of::<Sys, N>(singular.pivot),
+        })
     }
 
     /// Effective potential `V_eff(q) = p·q̇ − L`.

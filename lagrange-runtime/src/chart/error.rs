@@ -1,10 +1,10 @@
 //! Why a chart was not written.
 
+use crate::failure::debug_is_text;
 use std::fmt;
 use std::path::PathBuf;
 
 /// Why there is no chart.
-#[derive(Debug)]
 #[non_exhaustive]
 pub enum ChartError {
     /// No series has a point that can be drawn.
@@ -39,6 +39,8 @@ impl fmt::Display for ChartError {
         }
     }
 }
+
+debug_is_text! { [] ChartError }
 
 impl std::error::Error for ChartError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {

@@ -36,6 +36,12 @@ impl Series {
         Self { style: Style::Line, ..Self::new(name, points) }
     }
 
+    /// The outline of bars, each from a left end to a right end and from 0 to a height, as of a histogram.
+    pub fn bars(name: impl Into<String>, bars: impl IntoIterator<Item = (f64, f64, f64)>) -> Self {
+        let corners = |(left, right, height)| [(left, 0.0), (left, height), (right, height), (right, 0.0)];
+        Self::line(name, bars.into_iter().flat_map(corners))
+    }
+
     /// Markers without a line.
     pub fn markers(name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         Self { style: Style::Markers, ..Self::new(name, points) }

@@ -8,6 +8,7 @@ use super::precision::merged;
 use super::record::record_fields;
 use super::settings::{Settings, set_settings};
 use super::{EnsembleError, LEAF, Source, Statistic};
+use crate::failure::debug_is_text;
 use core::fmt;
 use core::ops::Range;
 
@@ -110,7 +111,7 @@ pub struct Certificate<const K: usize> {
 
 /// Why a certificate does not hold.
 #[non_exhaustive]
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, PartialEq)]
 pub enum NotCertified {
     /// The samples are too few to promise anything of this quantile.
     TooFewSamples {
@@ -156,6 +157,8 @@ impl fmt::Display for NotCertified {
         }
     }
 }
+
+debug_is_text! { [] NotCertified }
 
 impl std::error::Error for NotCertified {}
 

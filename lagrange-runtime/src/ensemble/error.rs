@@ -1,12 +1,12 @@
 //! Why there is no result of an ensemble.
 
+use crate::failure::debug_is_text;
 use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
 /// Why an ensemble cannot be computed, or its result not be kept. A failed *sample* is no error: it is counted, see
 /// [`Failures`](super::Failures).
-#[derive(Debug)]
 #[non_exhaustive]
 pub enum EnsembleError {
     /// No samples were asked for.
@@ -136,6 +136,8 @@ impl fmt::Display for EnsembleError {
         }
     }
 }
+
+debug_is_text! { [] EnsembleError }
 
 impl std::error::Error for EnsembleError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {

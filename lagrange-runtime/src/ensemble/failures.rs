@@ -1,7 +1,7 @@
 //! Samples that failed.
 
 use crate::failed::{Failed, Statistics};
-use crate::failure::Failure;
+use crate::failure::{Failure, debug_is_text};
 use crate::state::State;
 use std::fmt;
 
@@ -30,7 +30,7 @@ impl<S, const N: usize> From<Failure<S>> for Lost<S, N> {
 }
 
 /// A sample that failed.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, PartialEq)]
 pub struct FailedSample<S, const N: usize> {
     /// Its index, by which it can be replayed.
     pub index: u64,
@@ -49,6 +49,8 @@ impl<S: fmt::Debug, const N: usize> fmt::Display for FailedSample<S, N> {
         write!(f, "sample {}: {}", self.index, self.failure)
     }
 }
+
+debug_is_text! { [S: fmt::Debug, const N: usize] FailedSample<S, N> }
 
 impl<S: fmt::Debug, const N: usize> std::error::Error for FailedSample<S, N> {}
 

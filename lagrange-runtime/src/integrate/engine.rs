@@ -546,7 +546,7 @@ where
                 self.end.map(|end| end - t),
             );
             if !lands && rules::underflows(t, self.h) {
-                return Err(Failure::StepSizeUnderflow { t, h: self.h, cause });
+                return Err(rules::underflowed(system, &self.state, self.h, cause));
             }
             // (Before a step, not after it: it would be moved for the call.)
             if rules::is_tiny(self.h, self.longest) {

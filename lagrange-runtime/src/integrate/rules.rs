@@ -5,7 +5,7 @@
 use super::switches::{Approach, Passage, differ, passage};
 use crate::controller::Controller;
 use crate::event::within::Within;
-use crate::failure::Failure;
+use crate::failure::{Cause, Failure};
 use crate::method::{Method, Step};
 use crate::scalar::{Real, Scalar};
 use crate::state::{State, Tangent};
@@ -114,6 +114,22 @@ pub fn towards_end<S: Real>(h: S, to_switch: Option<f64>, rest: Option<S>) -> (S
 #[inline(always)]
 pub fn underflows<S: Real>(t: S, h: S) -> bool {
     t + h * S::from_f64(0.1) == t
+}
+
+/// The failure of a run whose next step would not change its time. Where accelerations are not finite at the state
+/// itself, as by a parameter that is not a number, the step is not to blame.
+#[cold]
+pub fn underflowed<Sys: System<N>, const N: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+    h: Sys::Scalar,
+    cause: Option<Cause>,
+) -> Failure<Sys::Scalar> {
+    let is_given = || !State { qd: system.accel(&at.q, &at.qd, at.t), ..*at }.is_finite();
+    match cause {
+        None | Some(Cause::NonFinite) if is_given() => Failure::NonFinite { t: at.t, h: Scalar::zero() },
+        _ => Failure::StepSizeUnderflow { t: at.t, h, cause },
+    }
 }
 
 /// Velocities may cancel before so short a step.

@@ -387,14 +387,17 @@ fn no_equilibrium_at_the_start() {
     let along = Heading::Along(DVector::from_vec(vec![0.0, 0.0, 1.0]));
     for heading in [Heading::Up, Heading::Down, along] {
         let error = follow(&|mu| Falling { mu }, &[0.0; 2], 0.0, &heading, &path(0.1)).unwrap_err();
-        assert!(matches!(error, AnalysisError::Unbalanced { coordinate: 1, .. }), "{heading:?}: {error}");
+        assert!(
+            matches!(error, AnalysisError::Unbalanced { coordinate, .. } if coordinate.index == 1),
+            "{heading:?}: {error}"
+        );
     }
 }
 
 #[test]
 fn inertia_that_vanishes_is_refused() {
     let error = follow(&|mu| Polar { mu }, &[0.0, 0.0], 0.0, &Heading::Up, &path(0.1)).unwrap_err();
-    assert!(matches!(error, AnalysisError::Inertia { coordinate: 1, .. }), "{error}");
+    assert!(matches!(error, AnalysisError::Inertia { coordinate, .. } if coordinate.index == 1), "{error}");
 }
 
 lagrangian! {

@@ -298,7 +298,10 @@ fn a_force_that_no_displacement_changes_is_no_equilibrium() {
     for k in [3.0, 7.0, 1e12] {
         for x in [0.0, 0.1, 0.3, 0.7, -11.3] {
             let error = equilibrium(&Dropped::new(k), &[x, 0.0]).unwrap_err();
-            assert!(matches!(error, AnalysisError::Unbalanced { coordinate: 1, .. }), "{k} {x}: {error}");
+            assert!(
+                matches!(error, AnalysisError::Unbalanced { coordinate, .. } if coordinate.index == 1),
+                "{k} {x}: {error}"
+            );
             let error = small_vibrations(&Dropped::new(k), &[x, 0.0]).unwrap_err();
             assert!(matches!(error, AnalysisError::NotEquilibrium { nearest: None, .. }), "{k} {x}: {error}");
         }
@@ -354,7 +357,7 @@ fn a_pushed_pair_does_not_rest() {
 #[test]
 fn inertia_that_is_not_positive_definite() {
     let error = equilibrium(&Polar::new(1.0), &[0.0; 2]).unwrap_err();
-    assert!(matches!(error, AnalysisError::Inertia { coordinate: 1, .. }), "{error}");
+    assert!(matches!(error, AnalysisError::Inertia { coordinate, .. } if coordinate.index == 1), "{error}");
     assert_eq!(equilibria(&Polar::new(1.0), &[-1.0; 2], &[1.0; 2], 5), Ok(Vec::new()));
     assert_eq!(equilibrium(&Polar::new(f64::NAN), &[1.0; 2]), Err(AnalysisError::NotFinite));
 }
@@ -380,7 +383,9 @@ fn steady_motions_are_checked() {
     let system = Hanging::new(2.0);
     let about = |q: f64, qd: f64| SmallMotion::steady(&system, &State::new(0.0, [q], [qd]));
     assert!(about(0.0, 0.0).is_ok());
-    assert!(matches!(about(0.1, 0.0), Err(AnalysisError::NotEquilibrium { coordinate: 0, .. })));
+    assert!(
+        matches!(about(0.1, 0.0), Err(AnalysisError::NotEquilibrium { coordinate, .. }) if coordinate.index == 0)
+    );
     assert!(matches!(about(1e-3, 0.0), Err(AnalysisError::NotEquilibrium { .. })));
     let pulsed = SmallMotion::steady(&PulsedHanging::new(2.0), &State::new(0.0, [0.0], [0.0]));
     assert_eq!(pulsed, Err(AnalysisError::TimeDependent));

@@ -1,5 +1,6 @@
 //! Events, samples and integrals along motions.
 
+mod at_rounding;
 mod crossings;
 mod integrals;
 mod samples;

@@ -5,3 +5,4 @@ mod constraints;
 mod prepared;
 #[path = "../systems/mod.rs"]
 mod systems;
+mod told;

@@ -625,7 +625,8 @@ fn the_tolerance_chooses_the_order() {
     let (pendulum, start) = (Pendulum::new(1.0), State::new(0.0, [2.0], [0.0]));
     for (tolerance, order) in [(1e-4, 12), (1e-8, 17), (1e-12, 20), (1e-15, 20)] {
         let control = TaylorController::tolerance(tolerance);
-        let end = |method: Taylor| integrate(&pendulum, method, control, start).until(5.0).final_state().unwrap();
+        let end =
+            |method: Taylor| integrate(&pendulum, method, control, start).until(5.0).final_state().unwrap();
         assert_eq!(end(Taylor), end(Taylor::of_order(order)), "{tolerance:e}");
         let mut stepper = Stepper::new(pendulum, Taylor, control, start);
         stepper.advance_to(5.0).unwrap();
@@ -633,7 +634,8 @@ fn the_tolerance_chooses_the_order() {
     }
     // An absolute tolerance alone, and steps of one size.
     let absolute = TaylorController::tolerance(1e-8).rtol(0.0);
-    let end = |method: Taylor| integrate(&pendulum, method, absolute, start).until(5.0).final_state().unwrap();
+    let end =
+        |method: Taylor| integrate(&pendulum, method, absolute, start).until(5.0).final_state().unwrap();
     assert_eq!(end(Taylor), end(Taylor::of_order(20)));
     let end = |method: Taylor| {
         integrate(&pendulum, method, FixedStep::new(0.1), start).until(5.0).final_state().unwrap()

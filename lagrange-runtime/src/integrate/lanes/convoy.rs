@@ -314,7 +314,10 @@ where
             if attempts >= budget {
                 self.fail(pack, i, Failure::BudgetUsedUp { t, h, max_steps: budget, implicit });
             } else if !self.fixed() && !lands[i] && rules::underflows(t, h) {
-                self.fail(pack, i, Failure::StepSizeUnderflow { t, h, cause });
+                let Some(Occupant { job, .. }) = &pack.occupants[i] else { continue };
+                let (system, at) = (job.system.over(SingleLane::<P, A>::new), pack.state.lane(i));
+                let failure = rules::underflowed(&system, &at, SingleLane::new(h), cause);
+                self.fail(pack, i, failure.map(SingleLane::value));
             }
         }
     }
