@@ -93,7 +93,7 @@ fn starts_in_the_line_go_along_their_branch() {
     for (branch, rate) in [(0, 1.0), (1, 1.0), (0, -0.3), (1, 5.0), (0, 0.3), (1, 0.1)] {
         for tolerance in [1e-6, 1e-9, 1e-12] {
             let pi = PiController::tolerance(tolerance);
-            let series = Taylor::for_tolerance(tolerance);
+            let series = Taylor;
             let errors = [
                 error_on_branch(DormandPrince5, pi, branch, 0.0, rate),
                 error_on_branch(Dop853, pi, branch, 0.0, rate),
@@ -261,7 +261,7 @@ fn every_tolerance_goes_through_the_line() {
     for k in 0..=40 {
         let tolerance = 1e-6 * 10f64.powf(-0.15 * f64::from(k));
         let pi = PiController::tolerance(tolerance);
-        let (series, control) = (Taylor::for_tolerance(tolerance), TaylorController::tolerance(tolerance));
+        let (series, control) = (Taylor, TaylorController::tolerance(tolerance));
         right(tolerance, integrate(&rhombus, Dop853, pi, start).until(10.0).final_state().unwrap());
         right(tolerance, integrate(&rhombus, Verner9, pi, start).until(10.0).final_state().unwrap());
         right(tolerance, integrate(&rhombus, series, control, start).until(10.0).final_state().unwrap());
