@@ -105,7 +105,7 @@ impl<Sys: System<N, Scalar = f64> + Clone, const N: usize> Problem<Sys, N> {
     {
         let values = (0..=15).map(|k| 10_f64.powi(-k)).chain([f64::EPSILON]).collect();
         let parameter = (Parameter::Tolerance, values);
-        self.sweep(Family::Taylor, "Taylor", Taylor::for_tolerance, parameter, TaylorController::tolerance)
+        self.sweep(Family::Taylor, "Taylor", |_| Taylor, parameter, TaylorController::tolerance)
     }
 
     fn sweep<'a, M, C>(
