@@ -367,11 +367,14 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
     /// The next occurrence of the step.
     fn within_step(&mut self) -> Outcome<Number<D, N>, N> {
         let Some(stepped) = &self.step else { return Ok(None) };
-        let Some((event, x, direction)) = self.search.next(stepped)? else { return Ok(None) };
+        let Some((event, x, direction)) = self.search.next(&On(&self.events, self.run.system()), stepped)?
+        else {
+            return Ok(None);
+        };
         let g = |system: &D::System, at: &State<Number<D, N>, N>| self.events.value(system, event, at);
         let terminal = self.events.kind(event).terminal;
         let state = match terminal {
-            true => land(&mut self.run, stepped, event, x, direction, g)?,
+            true => land(&mut self.run, stepped, self.events.kind(event).at(event), x, direction, g)?,
             false => on_interpolant(stepped, x, |at: &State<Number<D, N>, N>| g(self.run.system(), at)),
         };
         self.search.met(&On(&self.events, self.run.system()), stepped, event, x, &state);

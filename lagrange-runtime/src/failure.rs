@@ -18,6 +18,22 @@ impl fmt::Display for Coordinate {
     }
 }
 
+/// An event that a failure speaks of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct EventName {
+    /// Its place in the array or tuple given.
+    pub index: usize,
+    /// Its name, empty unless given.
+    pub name: &'static str,
+}
+
+impl fmt::Display for EventName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.name.is_empty() { write!(f, "{}", self.index) } else { write!(f, "`{}`", self.name) }
+    }
+}
+
 /// Why a step could not be made, without where. It is what a [`Failure::StepSizeUnderflow`] remembers of its last step.
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -316,8 +332,8 @@ pub enum Failure<S = f64> {
     EventNotFinite {
         /// Time up to which it was finite.
         t: S,
-        /// Index of the event.
-        event: usize,
+        /// The event.
+        event: EventName,
     },
     /// A terminal event happens on the interpolant of a step but not on the trajectory itself.
     EventNotBracketed {
@@ -325,16 +341,16 @@ pub enum Failure<S = f64> {
         t: S,
         /// Step size.
         h: S,
-        /// Index of the event.
-        event: usize,
+        /// The event.
+        event: EventName,
     },
     /// Terminal events follow each other faster than time or their function can tell, as the bounces of a ball do that
     /// comes to rest (Zeno behaviour).
     EventsAccumulate {
         /// Time of the last event that can be told.
         t: S,
-        /// Index of the event.
-        event: usize,
+        /// The event.
+        event: EventName,
     },
     /// A step is so long that events have to be looked for at more than 2²⁴ places in it.
     EventsUnresolved {

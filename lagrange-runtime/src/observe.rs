@@ -22,7 +22,7 @@ where
     C: Controller<f64, N, M::Error>,
 {
     /// Runs to the end, or to where the observer ends the run, and gives the observer's output. The same observers
-    /// serve trajectories in lanes, see [`Study::observe`](crate::ensemble::Study::observe).
+    /// serve trajectories in lanes, see `Study::observe` of the feature `ensemble`.
     ///
     /// ```
     /// use lagrange_runtime::lanes::FoldSteps;

@@ -1,5 +1,6 @@
 //! Definition of an event: a function of the state, the direction of its roots, and whether the run ends there.
 
+use crate::failure::EventName;
 use crate::scalar::Scalar;
 use crate::state::State;
 use crate::system::System;
@@ -47,6 +48,13 @@ pub struct EventKind {
     pub terminal: bool,
     /// The largest |g| at an extremum that counts as a touch, rounding apart.
     pub touching: f64,
+}
+
+impl EventKind {
+    /// The event of these properties, as failures speak of it.
+    pub(crate) fn at(&self, index: usize) -> EventName {
+        EventName { index, name: self.name }
+    }
 }
 
 impl<G> Event<G> {

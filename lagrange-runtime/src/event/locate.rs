@@ -6,7 +6,7 @@ use super::outline::Outline;
 use super::root::first_zero;
 use super::within::{Within, apart, slope};
 use crate::controller::{Controller, FirstStep};
-use crate::failure::Failure;
+use crate::failure::{EventName, Failure};
 use crate::integrate::{Drive, Engine, Number};
 use crate::method::{Interpolant, Method, Step};
 use crate::scalar::{Real, Scalar};
@@ -89,7 +89,7 @@ where
 pub(super) fn land<D: Drive<N>, const N: usize>(
     run: &mut D,
     stepped: &Stepped<D::System, D::Method, N>,
-    event: usize,
+    event: EventName,
     x: f64,
     direction: Direction,
     g: impl Fn(&D::System, &State<Number<D, N>, N>) -> Number<D, N> + Copy,
@@ -207,7 +207,7 @@ where
 /// and the state there. `attempt` makes steps from the start.
 pub(crate) fn landing<S: Real, const N: usize>(
     step: &(impl Within<S, N> + ?Sized),
-    event: usize,
+    event: EventName,
     x: f64,
     direction: Direction,
     g: impl Fn(&State<S, N>) -> S + Copy,

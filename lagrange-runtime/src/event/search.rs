@@ -112,7 +112,7 @@ impl<const K: usize> Search<K> {
             for event in 0..K {
                 let g = events.value(event, start).to_f64();
                 if !g.is_finite() {
-                    return Err(Failure::EventNotFinite { t: start.t, event });
+                    return Err(Failure::EventNotFinite { t: start.t, event: events.kind(event).at(event) });
                 }
                 self.scans[event].begin(g);
             }
@@ -200,6 +200,7 @@ impl<const K: usize> Search<K> {
             self.look_ahead(events, step, event);
             let rate = || rate_at_start(step, |at| events.value(event, at).to_f64());
             if on_root && self.scans[event].misses_flight(&events.kind(event), resolution, rate) {
+                let event = events.kind(event).at(event);
                 return Err(Failure::EventsAccumulate { t: step.ends()[0].t, event });
             }
         }
@@ -235,15 +236,18 @@ impl<const K: usize> Search<K> {
     }
 
     /// The next event in the step: its index, place, and how g passes through zero there.
-    pub fn next<S: Real, const N: usize>(
+    pub fn next<S: Real, E: Bound<S, N, K>, const N: usize>(
         &self,
+        events: &E,
         step: &(impl Within<S, N> + ?Sized),
     ) -> Result<Option<(usize, f64, Direction)>, Failure<S>> {
         let places = self.scans.iter().filter_map(|scan| scan.found.map(|found| found.place()));
         match self.earliest(places.fold(f64::INFINITY, f64::min), step.resolution()) {
             None => Ok(None),
             Some((event, Found::Root { x, direction })) => Ok(Some((event, x, direction))),
-            Some((event, Found::NotFinite { x })) => Err(Failure::EventNotFinite { t: step.time(x), event }),
+            Some((event, Found::NotFinite { x })) => {
+                Err(Failure::EventNotFinite { t: step.time(x), event: events.kind(event).at(event) })
+            }
         }
     }
 

@@ -366,6 +366,7 @@ fn constraint_drift() {
 
 #[test]
 fn every_text_ends_in_a_hint() {
+    const GROUND: EventName = EventName { index: 0, name: "ground" };
     let all: &[Failure] = &[
         Failure::StepSizeUnderflow { t: 0.0, h: 0.0, cause: None },
         Failure::StepSizeUnderflow { t: 0.0, h: 0.0, cause: Some(Cause::InvariantLost) },
@@ -399,9 +400,9 @@ fn every_text_ends_in_a_hint() {
         Failure::BadEnd { end: None },
         Failure::SampleOrder { t: 0.0, previous: 0.0 },
         Failure::SampleBeyondEnd { t: 0.0, end: 0.0 },
-        Failure::EventNotFinite { t: 0.0, event: 0 },
-        Failure::EventNotBracketed { t: 0.0, h: 0.0, event: 0 },
-        Failure::EventsAccumulate { t: 0.0, event: 0 },
+        Failure::EventNotFinite { t: 0.0, event: GROUND },
+        Failure::EventNotBracketed { t: 0.0, h: 0.0, event: GROUND },
+        Failure::EventsAccumulate { t: 0.0, event: GROUND },
         Failure::EventsUnresolved { t: 0.0, h: 0.0 },
         Failure::Unsuitable { chosen: "FixedStep", requirement: Requirement::Smooth },
         Failure::Unsuitable { chosen: "every", requirement: Requirement::Forward },

@@ -159,7 +159,7 @@ where
         search.begin(self, &from)?;
         search.enter(self, step)?;
         // The first event of a step ends it, so that the next ones are not looked for.
-        if let Some((i, x, _)) = search.next(step)? {
+        if let Some((i, x, _)) = search.next(self, step)? {
             let (t, at) = (step.time(x), step.at(x).q[i]);
             let is_before = |last: State<f64, N>| (t - last.t) * step.size() < 0.0;
             if last.is_none_or(is_before) {

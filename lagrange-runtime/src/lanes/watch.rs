@@ -280,12 +280,12 @@ where
         let events = On(&self.events, system);
         search.begin(&events, &step.at(0.0))?;
         search.enter(&events, step)?;
-        while let Some((event, x, direction)) = search.next(step)? {
+        while let Some((event, x, direction)) = search.next(&events, step)? {
             let kind = self.events.kind(event);
             let terminal = kind.terminal;
             let state = if terminal {
                 let g = |at: &State<f64, N>| self.events.value(system, event, at);
-                landing(step, event, x, direction, g, |x| step.stepped(x))?.1
+                landing(step, kind.at(event), x, direction, g, |x| step.stepped(x))?.1
             } else {
                 step.at(x)
             };

@@ -135,7 +135,7 @@ fn no_ball_falls_through_its_ground() {
                             let what = format!(
                                 "floor {floor} e {restitution} v {sideways} t {t} {followed:?}: {bounces} bounces, {depth:e}, {failure:?}"
                             );
-                            let Some(Failure::EventsAccumulate { t: last, event: 0 }) = failure else { panic!("{what}") };
+                            let Some(Failure::EventsAccumulate { t: last, .. }) = failure else { panic!("{what}") };
                             // Flights are lost in the rounding of heights.
                             let height = 16.0 * f64::EPSILON * floor.abs();
                             let shortest = (8.0 * height / ball.g).sqrt() / (1.0 - restitution) + 1e-11;
