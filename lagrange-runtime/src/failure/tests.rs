@@ -192,7 +192,7 @@ fn budget_used_up() {
     assert!(matches!(failed.failure, Failure::BudgetUsedUp { .. }) && failed.last.t > 0.0);
     assert_eq!(
         told(failed.failure),
-        "the budget of # attempted steps was used up at t = #, where the step size was #; raise `max_steps`, or, if \
+        "the budget of # attempted steps was used up at t = #, where the step size was # (a run without `until` has no end before that); raise `max_steps`, or, if \
          the steps are far shorter than the motion, use a method of higher order where the tolerance makes them so, and a method for stiff \
          systems where stability does"
     );
@@ -201,7 +201,7 @@ fn budget_used_up() {
     let run = integrate(&kepler, Radau5, PiController::tolerance(1e-9), polar(0.0)).until(1e3).max_steps(50);
     assert_eq!(
         told(run.final_state().unwrap_err().failure),
-        "the budget of # attempted steps was used up at t = #, where the step size was #; raise `max_steps`, or a \
+        "the budget of # attempted steps was used up at t = #, where the step size was # (a run without `until` has no end before that); raise `max_steps`, or a \
          tolerance or step as large as the motion admits: the method is implicit, so it is not stability that makes \
          its steps short"
     );
