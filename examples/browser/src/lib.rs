@@ -86,7 +86,7 @@ pub extern "C" fn pendulum(which: u32) -> f64 {
         let Some((stepper, energy)) = pendulum else { return f64::NAN };
         let (system, at) = (stepper.system(), stepper.state());
         match which {
-            0..4 => system.bobs_at(&at)[which as usize],
+            0..4 => system.bobs_at(at)[which as usize],
             4 => system.energy_at(at) - energy,
             _ => f64::NAN,
         }
@@ -120,7 +120,7 @@ pub extern "C" fn top(which: u32) -> f64 {
         let Some((stepper, energy)) = top else { return f64::NAN };
         let (system, at) = (stepper.system(), stepper.state());
         match which {
-            0..3 => system.axis_at(&at)[which as usize],
+            0..3 => system.axis_at(at)[which as usize],
             3 => at.q[2],
             4 => system.energy_at(at) - energy,
             _ => f64::NAN,
