@@ -535,7 +535,7 @@ fn top_through_pole(u: f64) -> Scene<Top, 3> {
     let phid = p / (1.0 + theta.cos());
     let start = State::new(0.0, [0.0, theta, 0.0], [phid, 0.0, p - phid * theta.cos()]);
     let drift = energy(Top::new(1.0, 1.0, 1.0), start, 1.0);
-    let momenta = |at: &State<f64, 3>| Top::new(1.0, 1.0, 1.0).momenta_at(&at);
+    let momenta = |at: &State<f64, 3>| Top::new(1.0, 1.0, 1.0).momenta_at(at);
     Scene {
         name: "symmetric top through the pole".into(),
         truth: "energy, p_φ and p_ψ",

@@ -369,6 +369,7 @@ macro_rules! variant {
         }
     };
 }
+#[cfg(feature = "analysis")]
 pub(crate) use variant;
 
 /// The debug form of an error is its text: Rust prints that form of an error that `main` returns.
