@@ -171,9 +171,9 @@ impl<S: Scalar, const N: usize> ErrorEstimate<S, N> for TwoEstimates<S, N> {
 /// Steps of one size. Where a run has an end, its steps are equal and at most this long, see
 /// [`Run::until`](crate::integrate::Run::until).
 ///
-/// Fixed steps do not end where the equations switch (`if`, `abs`, …), but for those of [`Taylor`](crate::Taylor): a
-/// kink of the forces changes the velocity after the step by an error of order h², a jump by one of order h, whatever
-/// the order of the method. Adaptive steps end there.
+/// Fixed steps do not end where the equations switch (`if`, `abs`, …), but for those of
+/// [`Taylor`](const@crate::Taylor): a kink of the forces changes the velocity after the step by an error of order h², a
+/// jump by one of order h, whatever the order of the method. Adaptive steps end there.
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(

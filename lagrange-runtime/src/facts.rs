@@ -37,7 +37,7 @@ pub struct Facts {
     pub linear: bool,
     /// The motion has Taylor series wherever the accelerations have derivatives: recurrences are emitted for them,
     /// and there are no choices (`if`, `abs`, …). Where the argument of a root vanishes, as that of `v.norm()` does
-    /// at rest, the motion has one-sided series at most: [`Taylor`](crate::Taylor) makes the step from there by
+    /// at rest, the motion has one-sided series at most: [`Taylor`](const@crate::Taylor) makes the step from there by
     /// collocation.
     pub analytic: bool,
     /// Groups of coordinates that move independently of each other.

@@ -17,7 +17,7 @@
 //! | [`Radau5`](radau::Radau5) | 5 | 5 | as a step | 1.0 | 230 |
 //! | [`Rodas4`](rosenbrock::Rodas4) | 4 | 3 | 0 | 1.6 | 150 |
 //! | [`Rodas5P`](rosenbrock::Rodas5P) | 5 | 4 | 0 | 7.7 | 27 |
-//! | [`Taylor`](taylor::Taylor) | 7 − ½ ln ε | the same | 0 | 1.1 | 0.31 |
+//! | [`Taylor`](const@taylor::Taylor) | 7 − ½ ln ε | the same | 0 | 1.1 | 0.31 |
 //!
 //! The last two columns are the largest error within steps over that at their ends. *Of a run*, in which errors of
 //! all steps add up: the worst of tolerances 1e-6, 1e-8, 1e-10 and 1e-12 on an orbit of Kepler's problem (e = 0.3)
@@ -26,8 +26,8 @@
 //!
 //! # Forces that set in later
 //!
-//! A step knows the forces at its stages ([`Taylor`](taylor::Taylor): the derivatives at its start), and nothing in
-//! between. What follows from that:
+//! A step knows the forces at its stages ([`Taylor`](const@taylor::Taylor): the derivatives at its start), and nothing
+//! in between. What follows from that:
 //!
 //! - Forces that switch in time (`if t > 50 { … }`, `min`, `max`) are always seen: adaptive steps end there.
 //! - A body on which no force acts yet takes adaptive steps of at most 1/128 of the time to the end of its run, if
@@ -134,8 +134,8 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
     /// The order of convergence p: the global error is `O(hᵖ)`.
     fn order(&self) -> u32;
 
-    /// The method as it serves a relative tolerance best, where it leaves that open, as [`Taylor`](taylor::Taylor) does
-    /// its order. A run asks its controller.
+    /// The method as it serves a relative tolerance best, where it leaves that open, as
+    /// [`Taylor`](const@taylor::Taylor) does its order. A run asks its controller.
     fn for_tolerance(self, relative: Option<f64>) -> Self {
         let _ = relative;
         self

@@ -33,7 +33,7 @@ pub trait Analytic<const N: usize>: System<N> {
     type Sides: Switches<Self::Scalar>;
 
     /// The equations have roots whose arguments may vanish where the accelerations are finite. There is no series at
-    /// such a state, which [`Taylor`](crate::Taylor) leaves by collocation.
+    /// such a state, which [`Taylor`](const@crate::Taylor) leaves by collocation.
     const ROOTS: bool = false;
 
     /// The recurrences are so long that they are compiled once, and only what takes most of their time for better

@@ -213,8 +213,8 @@ where
 /// [`periodic_orbit`](super::periodic_orbit) and [`lyapunov_spectrum`](super::lyapunov_spectrum).
 ///
 /// # Hypotheses
-/// - Steps end where the accelerations [switch](System::switches): those of adaptive methods and of [`Taylor`] do.
-///   Where forces jump, deviations get the saltation of [`System::saltated`]; steps of one size over switches are
+/// - Steps end where the accelerations [switch](System::switches): those of adaptive methods and of [`const@Taylor`]
+///   do. Where forces jump, deviations get the saltation of [`System::saltated`]; steps of one size over switches are
 ///   refused by [`Requirement::Smooth`].
 /// - The motion crosses switches at a rate that is not 0, and one at a time: where it touches one, or meets two at
 ///   once, it has no derivative.

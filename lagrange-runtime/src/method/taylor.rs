@@ -29,10 +29,10 @@ use crate::state::{State, Tangent};
 use crate::system::System;
 use nalgebra::SVector;
 
-/// Room for the coefficients of [`Taylor`]: orders up to 22.
+/// Room for the coefficients of [`const@Taylor`]: orders up to 22.
 pub(crate) const USUAL_ROOM: usize = 24;
 
-/// Room for the coefficients of [`LongTaylor`]: orders up to 62.
+/// Room for the coefficients of [`const@LongTaylor`]: orders up to 62.
 const LONG_ROOM: usize = 64;
 
 /// The first of them. The very last coefficient of a series is not asked: all of the next step waits for its size,
@@ -116,7 +116,8 @@ pub const Taylor: Taylor = Taylor { order: 0 };
 /// ```
 pub type LongTaylor = Taylor<LONG_ROOM>;
 
-/// [`LongTaylor`] of the order that suits the tolerance of the controller, as that of [`Taylor`], at most 62.
+/// [`const@LongTaylor`] of the order that suits the tolerance of the controller, as that of [`const@Taylor`], at most
+/// 62.
 #[allow(non_upper_case_globals)]
 pub const LongTaylor: LongTaylor = Taylor { order: 0 };
 
@@ -158,7 +159,7 @@ fn order_for(tolerance: f64) -> usize {
     if p > below as f64 { below + 1 } else { below }
 }
 
-/// Estimates of a step of [`Taylor`]: its error, and the size of the next step.
+/// Estimates of a step of [`const@Taylor`]: its error, and the size of the next step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Remainder<S, const N: usize> {
     /// The estimated error of the step.

@@ -11,7 +11,7 @@
 //! | [`SimplePendulum`] | Jacobi's elliptic functions [`jacobi_elliptic`], period `4K/ω₀` with [`elliptic_k`] |
 //! | [`KeplerOrbit`] | Kepler's equation in the difference of eccentric anomaly, Lagrange's f and g |
 //! | [`LinearChain`] | normal modes of equal masses between equal springs |
-//! | [`SeriesMotion`] | none: any system by its Taylor series, to 1e-30 a step, for all methods but [`Taylor`](crate::Taylor) itself |
+//! | [`SeriesMotion`] | none: any system by its Taylor series, to 1e-30 a step, for all methods but [`Taylor`](const@crate::Taylor) itself |
 
 mod chain;
 mod elliptic;

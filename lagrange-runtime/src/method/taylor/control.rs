@@ -8,7 +8,7 @@ use crate::series::WINDOW;
 use crate::state::{State, Tangent};
 use nalgebra::SVector;
 
-/// The controller of [`Taylor`](super::Taylor). In the norm `max |xᵢ|/scᵢ` with `scᵢ = atolᵢ + rtol |xᵢ|` let the
+/// The controller of [`Taylor`](const@super::Taylor). In the norm `max |xᵢ|/scᵢ` with `scᵢ = atolᵢ + rtol |xᵢ|` let the
 /// coefficients decay from A = ‖x_0‖ like `A/ρᵏ`; then the first term left out is below the tolerance for
 ///
 /// `h = s ρ A^(−1/(p+1))`, `ρ = min_k (A/‖x_k‖)^(1/k)` over the last coefficients of the series.
