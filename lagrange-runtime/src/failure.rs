@@ -418,7 +418,8 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
             Failure::NonFinite { t, h } => write!(
                 f,
                 "the step of size {h:?} from t = {t:?} met a state or acceleration that is not finite: it is too long, \
-                 or the equations are singular there (of size 0: a given state, or a parameter, is not finite); try a smaller step or an adaptive controller"
+                 or the equations are singular there (of size 0: the given state is not finite, or has no finite \
+                 acceleration, as a parameter is not finite, or 0 where it divides); try a smaller step or an adaptive controller"
             ),
             Failure::Quadrature { t, h } => write!(
                 f,

@@ -45,7 +45,7 @@
 //! |---|---|---|
 //! | an accurate trajectory, and know nothing else | [`Dop853`], or [`Verner9`] from 1e-8 on | [`PiController`] with 1e-6 to 1e-13 |
 //! | a quick one, to plot it | [`DormandPrince5`] | [`PiController`] with 1e-3 to 1e-6 |
-//! | the last digits of a smooth motion | [`const@Taylor`], with [`TaylorController`] to 1e-15, where no `extern fn` is in the way (at an `if` or `abs` steps end, and go on beyond); [`Verner9`]; [`Nystrom12`] where forces do not depend on q̇ | [`PiController`] with 1e-9 to 1e-14 |
+//! | the last digits of a smooth motion | [`Taylor`], with [`TaylorController`] to 1e-15, where no `extern fn` is in the way (at an `if` or `abs` steps end, and go on beyond); [`Verner9`]; [`Nystrom12`] where forces do not depend on q̇ | [`PiController`] with 1e-9 to 1e-14 |
 //! | equal steps, simple and well known | [`Rk4`] | [`FixedStep`] |
 //! | long runs that keep energy bounded; T(q̇) + V(q), no velocity-dependent force | [`Verlet`] | [`FixedStep`] |
 //! | the same to more digits | [`BlanesMoan4`], [`BlanesMoan6`], [`Compose`]`(Verlet, KahanLi8)` | [`FixedStep`] |
@@ -67,7 +67,7 @@
 //! | Goal | System | Method | because |
 //! |---|---|---|---|
 //! | `Accuracy`, 1e-5 or coarser | any | [`DormandPrince5`] | at coarse tolerances order 5 has the fewest evaluations |
-//! | `Accuracy`, 1e-10 or finer, with constraints 1e-13 or finer | analytic | [`const@Taylor`] | series of order 20 take 0.3 to 1.4 of the time of orders 9 and 12 there, mostly less, and lose fewer of the last digits |
+//! | `Accuracy`, 1e-10 or finer, with constraints 1e-13 or finer | analytic | [`Taylor`] | series of order 20 take 0.3 to 1.4 of the time of orders 9 and 12 there, mostly less, and lose fewer of the last digits |
 //! | `Accuracy` | separable | [`Nystrom12`] | without velocities in the forces order 12 takes two thirds of the evaluations of order 8 |
 //! | `Accuracy` | any other | [`Verner9`] | order 9 is as quick as order 8 at 1e-6, takes three quarters of its time for the last digits, and has smaller errors |
 //! | `LongTime` | linear, conservative | [`MatrixExponential`] | it is exact at any step |
@@ -99,6 +99,8 @@
 //! # Without the standard library
 //!
 //! `default-features = false, features = ["libm"]`. Nothing here allocates.
+//!
+//! [`Taylor`]: const@Taylor
 #![cfg_attr(not(feature = "std"), no_std)]
 #![deny(missing_docs)]
 #![deny(unsafe_code)]

@@ -70,8 +70,9 @@ pub fn by_matrix<S: Real>(rows: &[[S; 3]; 3]) -> Result<[S; 3], NotARotation> {
     let product = |i: usize, j: usize| (0..3).map(|k| number[i][k] * number[j][k]).sum::<f64>();
     let off = |i: usize, j: usize| (product(i, j) - f64::from(u8::from(i == j))).abs();
     let pairs = (0..3).flat_map(|i| (i..3).map(move |j| (i, j)));
-    // (Not a number is no rotation.)
-    let off = pairs.fold(0.0, |most: f64, (i, j)| if off(i, j) <= most { most } else { off(i, j) });
+    // (Not a number is the largest.)
+    let larger = |most: f64, off: f64| if most.is_nan() || off <= most { most } else { off };
+    let off = pairs.fold(0.0, |most, (i, j)| larger(most, off(i, j)));
     let rounded = off <= ROUNDED;
     if !rounded {
         return Err(NotARotation::NotOrthonormal { off });

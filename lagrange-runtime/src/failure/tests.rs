@@ -99,7 +99,8 @@ fn non_finite() {
     assert_eq!(
         told(failed),
         "the step of size # from t = # met a state or acceleration that is not finite: it is too long, or the \
-         equations are singular there (of size #: a given state, or a parameter, is not finite); try a smaller step or an adaptive controller (the last good state is at t = #)"
+         equations are singular there (of size #: the given state is not finite, or has no finite \
+         acceleration, as a parameter is not finite, or # where it divides); try a smaller step or an adaptive controller (the last good state is at t = #)"
     );
 }
 
