@@ -5,6 +5,8 @@
 
 #[path = "linkages/branches.rs"]
 mod branches;
+#[path = "linkages/positions.rs"]
+mod positions;
 #[path = "linkages/stiffness.rs"]
 mod stiffness;
 #[path = "linkages/systems.rs"]

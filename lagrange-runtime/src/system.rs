@@ -124,7 +124,8 @@ pub trait System<const N: usize> {
         None
     }
 
-    /// [`accel`](Self::accel) in steps of size `h` near states at which constraints are dependent.
+    /// [`accel`](Self::accel) in steps of size `h` near states at which constraints are dependent; `roughly`, as
+    /// Jacobians need them, where they are not smooth, too.
     #[doc(hidden)]
     #[cold]
     fn accel_across(
@@ -132,11 +133,12 @@ pub trait System<const N: usize> {
         reference: &State<Self::Scalar, N>,
         at: &State<Self::Scalar, N>,
         h: Self::Scalar,
+        roughly: bool,
     ) -> SVector<Self::Scalar, N>
     where
         Self::Scalar: Real,
     {
-        let _ = (reference, h);
+        let _ = (reference, h, roughly);
         self.accel(&at.q, &at.qd, at.t)
     }
 
@@ -642,11 +644,12 @@ macro_rules! pass_on_run {
             reference: &$crate::State<Self::Scalar, N>,
             at: &$crate::State<Self::Scalar, N>,
             h: Self::Scalar,
+            roughly: bool,
         ) -> ::nalgebra::SVector<Self::Scalar, N>
         where
             Self::Scalar: $crate::Real,
         {
-            self.$field.accel_across(reference, at, h)
+            self.$field.accel_across(reference, at, h, roughly)
         }
 
         fn constraint_terms(

@@ -67,11 +67,12 @@ impl Emitter<'_> {
                     reference: &#runtime::State<S, #n>,
                     at: &#runtime::State<S, #n>,
                     h: S,
+                    roughly: bool,
                 ) -> #runtime::SVector<S, #n>
                 where
                     S: #runtime::Real,
                 {
-                    #runtime::constraint::accel_across::<Self, #n, #m>(self, reference, at, h)
+                    #runtime::constraint::accel_across::<Self, #n, #m>(self, reference, at, h, roughly)
                 }
                 fn constraint_terms(
                     &self,

@@ -5,6 +5,7 @@
 //! are beside the constraints by much more than the error of a step, which then has no order. So stages are projected
 //! first, and the nearest accelerations are interpolated.
 
+use super::dependence::nearly_dependent_part;
 use super::{Constrained, independence, restore};
 use crate::scalar::{Real, Scalar};
 use crate::state::{Begun, State, constant};
@@ -17,14 +18,22 @@ const CLOSE: f64 = 5e-4;
 /// Square of the sine below which steps are made across, and a state aside shows how long gradients are.
 pub const NEARLY_DEPENDENT: f64 = 0.05;
 
-/// Weights at 0 of the polynomial through ±1, …, ±6, for either side.
-const WEIGHTS: [f64; 6] = [6.0 / 7.0, -15.0 / 28.0, 5.0 / 21.0, -1.0 / 14.0, 1.0 / 77.0, -1.0 / 924.0];
+/// Weights at 0 of the polynomial through ±1, …, ±6, for either side, and of that through ±1, …, ±5.
+const WEIGHTS: [[f64; 6]; 2] = [
+    [6.0 / 7.0, -15.0 / 28.0, 5.0 / 21.0, -1.0 / 14.0, 1.0 / 77.0, -1.0 / 924.0],
+    [5.0 / 6.0, -10.0 / 21.0, 5.0 / 28.0, -5.0 / 126.0, 1.0 / 252.0, 0.0],
+];
+
+/// Largest difference of the two polynomials, relative to their values. Where the motion leaves the position slowly,
+/// and other coordinates are fast, nodes are too far apart.
+const SMOOTH: f64 = 1e-6;
 
 /// Accelerations on the motion that goes through states at which constraints are dependent, of a state near it: those
 /// of the nearest admissible state, or, where gradients are nearly dependent, the polynomial of degree 11 through
-/// those of states `(q + s q̇, q̇)` on both sides, at s = 0. Nodes are at least |h|/32 apart, where h is the size of
-/// a step (where there is none yet, in units of the fastest coordinate), and far enough for the nearest ones to be
-/// resolved. Not a number where there is no admissible state.
+/// those of states `(q + s b, q̇)` on both sides, at s = 0, where b is the part of q̇ that coordinates of constraints
+/// have that are nearly dependent. Nodes are at least |h|/32 apart, where h is the size of a step (where there is
+/// none yet, in units of the fastest coordinate), and far enough for the nearest ones to be resolved. Not a number
+/// where there is no admissible state, or the polynomial of degree 9 through the nearest nodes has other values.
 /// Emitted as [`System::accel_across`](crate::System::accel_across).
 #[cold]
 #[inline(never)]
@@ -33,6 +42,7 @@ pub fn accel_across<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     reference: &State<Sys::Scalar, N>,
     at: &State<Sys::Scalar, N>,
     h: Sys::Scalar,
+    roughly: bool,
 ) -> SVector<Sys::Scalar, N>
 where
     Sys::Scalar: Real,
@@ -42,7 +52,7 @@ where
     let found = if independence::<Sys, N, M>(system, reference, at) >= CLOSE {
         projected(system, at, &at.qd, 0.0).map(|at| accel(&at))
     } else {
-        Nodes::about(system, reference, at, h).map(|nodes| nodes.middle(accel))
+        Nodes::about(system, reference, at, h, |nodes| nodes.middle(accel, roughly))
     };
     found.unwrap_or_else(|| constant(Sys::Scalar::from_f64(f64::NAN)))
 }
@@ -64,23 +74,27 @@ where
 
 /// Admissible states on both sides of a state, at 1, …, 6 times a spacing.
 struct Nodes<S, const N: usize> {
-    pairs: [[State<S, N>; 2]; WEIGHTS.len()],
+    pairs: [[State<S, N>; 2]; WEIGHTS[0].len()],
 }
 
 impl<S: Real, const N: usize> Nodes<S, N> {
-    /// Those along the velocity or, where that is none, along the way that the forces take it.
-    fn about<Sys: Constrained<N, M, Scalar = S>, const M: usize>(
+    /// The value `of` those along the velocity, as far apart as a step suggests or, where it is not smooth there, as
+    /// near as they are resolved, or of those along the way that the forces take a state that rests.
+    fn about<Sys: Constrained<N, M, Scalar = S>, const M: usize, T>(
         system: &Sys,
         reference: &State<S, N>,
         at: &State<S, N>,
         h: S,
-    ) -> Option<Self> {
+        of: impl Fn(Self) -> Option<T>,
+    ) -> Option<T> {
+        let along =
+            |way: &SVector<S, N>, spacing| Nodes::along(system, reference, at, way, spacing).and_then(&of);
         let turning = || {
             let force = system.momentum_rate(&at.q, &constant(S::zero()), at.t);
             let (way, _) = system.response(&at.q, &at.qd, at.t, &force, &constant(S::zero()));
-            Nodes::along(system, reference, at, &way, 0.0)
+            along(&way, 0.0)
         };
-        Nodes::along(system, reference, at, &at.qd, h.to_f64().abs() / 32.0).or_else(turning)
+        along(&at.qd, h.to_f64().abs() / 32.0).or_else(|| along(&at.qd, 0.0)).or_else(turning)
     }
 
     /// Those `(q + s b, q̇)` of a spacing of s, or of the next larger one with which the nearest of them are resolved.
@@ -91,8 +105,9 @@ impl<S: Real, const N: usize> Nodes<S, N> {
         b: &SVector<S, N>,
         mut spacing: f64,
     ) -> Option<Self> {
+        let b = &nearly_dependent_part::<Sys, N, M>(system, reference, at, b, CLOSE);
         let both = |s: f64| Some([projected(system, at, b, -s)?, projected(system, at, b, s)?]);
-        let fastest = fastest(b);
+        let fastest = largest(b);
         // (Too near the position, a projection leads far away.)
         let beside = |node: &State<S, N>, s: f64| {
             let off = (0..N).map(|i| (node.q[i] - at.q[i] - b[i] * S::from_f64(s)).to_f64().abs());
@@ -107,7 +122,7 @@ impl<S: Real, const N: usize> Nodes<S, N> {
                 apart(before) && apart(after) && beside(before, -spacing) && beside(after, spacing)
             });
             if let Some(nearest) = nearest {
-                let mut pairs = [nearest; WEIGHTS.len()];
+                let mut pairs = [nearest; WEIGHTS[0].len()];
                 for (j, pair) in pairs.iter_mut().enumerate().skip(1) {
                     *pair = both(spacing * (j + 1) as f64)?;
                 }
@@ -119,19 +134,24 @@ impl<S: Real, const N: usize> Nodes<S, N> {
     }
 
     /// The state in their middle.
-    fn state(&self, t: S) -> State<S, N> {
-        State { t, q: self.middle(|at| at.q), qd: self.middle(|at| at.qd) }
+    fn state(&self, t: S) -> Option<State<S, N>> {
+        Some(State { t, q: self.middle(|at| at.q, false)?, qd: self.middle(|at| at.qd, false)? })
     }
 
-    /// The value in their middle of a function of states.
-    fn middle(&self, of: impl Fn(&State<S, N>) -> SVector<S, N>) -> SVector<S, N> {
-        let mut sum: SVector<S, N> = constant(S::zero());
-        for (pair, weight) in self.pairs.iter().zip(WEIGHTS) {
+    /// The value in their middle of a function of states, if it is smooth, or `roughly`.
+    fn middle(&self, of: impl Fn(&State<S, N>) -> SVector<S, N>, roughly: bool) -> Option<SVector<S, N>> {
+        let mut sums: [SVector<S, N>; 2] = [constant(S::zero()); 2];
+        let mut size = 0.0f64;
+        for (j, pair) in self.pairs.iter().enumerate() {
             for node in pair {
-                sum += of(node) * S::from_f64(weight);
+                let value = of(node);
+                size = size.max(largest(&value));
+                for (sum, weights) in sums.iter_mut().zip(&WEIGHTS) {
+                    *sum += value * S::from_f64(weights[j]);
+                }
             }
         }
-        sum
+        (roughly || largest(&(sums[0] - sums[1])) <= SMOOTH * size).then_some(sums[0])
     }
 }
 
@@ -169,7 +189,7 @@ where
     if independence::<Sys, N, M>(system, reference, at) >= CLOSE {
         return None;
     }
-    Nodes::about(system, reference, at, h).map(|nodes| nodes.state(at.t))
+    Nodes::about(system, reference, at, h, |nodes| nodes.state(at.t))
 }
 
 /// How a motion begins that does so near a state at which constraints are dependent. Its velocity tells on which
@@ -185,7 +205,7 @@ pub fn begun_across<Sys: Constrained<N, M>, const N: usize, const M: usize>(
 where
     Sys::Scalar: Real,
 {
-    let aside = ASIDE / fastest(&at.qd);
+    let aside = ASIDE / largest(&at.qd);
     let reference = [-aside, aside].into_iter().find_map(|s| projected(system, at, &at.qd, s))?;
     let independent = independence::<Sys, N, M>(system, &reference, at);
     let on_branch = || on_branch::<Sys, N, M>(system, &reference, at);
@@ -203,7 +223,7 @@ where
     Sys::Scalar: Real,
 {
     let nodes = Nodes::along(system, reference, at, &at.qd, 0.0)?;
-    let state = nodes.state(at.t);
+    let state = nodes.state(at.t)?;
     let moved = state.minus(at);
     let is_near = (0..N).all(|i| moved.q[i].to_f64().abs() <= SAME_PLACE * (1.0 + at.q[i].to_f64().abs()));
     let inertia = system.inertia(&at.q, &at.qd, at.t).map(|x| x.to_f64());
@@ -220,7 +240,7 @@ where
 }
 
 /// Size of the largest component.
-fn fastest<S: Real, const N: usize>(b: &SVector<S, N>) -> f64 {
+fn largest<S: Real, const N: usize>(b: &SVector<S, N>) -> f64 {
     b.iter().map(|v| v.to_f64().abs()).fold(0.0, f64::max)
 }
 

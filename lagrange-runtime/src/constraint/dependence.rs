@@ -5,7 +5,7 @@ use super::branches::undetermined;
 use crate::diagnosis::{BRINK, MAX_MATRIX_BYTES, beside};
 use crate::failure::{Cause, Dependence, Failure};
 use crate::linear::{dot, ldlt};
-use crate::scalar::{Functions, Real};
+use crate::scalar::{Functions, Real, Scalar};
 use crate::state::State;
 use nalgebra::{SMatrix, SVector};
 
@@ -41,6 +41,77 @@ where
         elimination.eliminate(row);
     }
     least
+}
+
+/// The part of a velocity that coordinates of constraints have that are dependent at `at` up to the part `brink`, with
+/// the smallest one of others, measured by the inertia matrix, that other constraints need. These may be so fast that
+/// nothing is smooth over the distance in which constraints become independent.
+pub(super) fn nearly_dependent_part<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    reference: &State<Sys::Scalar, N>,
+    at: &State<Sys::Scalar, N>,
+    velocity: &SVector<Sys::Scalar, N>,
+    brink: f64,
+) -> SVector<Sys::Scalar, N>
+where
+    Sys::Scalar: Real,
+{
+    let part = || {
+        let involved = involved(&products(system, reference)?, &products(system, at)?, brink)?;
+        let rows = [reference, at].map(|at| system.constraint_jacobian(&at.q, at.t).map(|x| x.to_f64()));
+        let moved: [bool; N] = core::array::from_fn(|i| {
+            rows.iter().any(|rows| (0..M).any(|j| involved[j] && rows[(j, i)] != 0.0))
+        });
+        let zero = Sys::Scalar::zero();
+        let part = SVector::<_, N>::from_fn(|i, _| if moved[i] { velocity[i] } else { zero });
+        let inertia = system.inertia(&at.q, &at.qd, at.t).map(|x| x.to_f64());
+        let others = following(&inertia, &rows[1], &part.map(|x| x.to_f64()), &moved, &involved)?;
+        Some(part + others.map(Sys::Scalar::from_f64))
+    };
+    part().unwrap_or(*velocity)
+}
+
+/// The smallest velocity x, measured by the inertia matrix, of coordinates that are not `moved`, with `A (v + x) = 0`
+/// for the rows A that are not `involved`.
+fn following<const N: usize, const M: usize>(
+    inertia: &SMatrix<f64, N, N>,
+    rows: &SMatrix<f64, M, N>,
+    v: &SVector<f64, N>,
+    moved: &[bool; N],
+    involved: &[bool; M],
+) -> Option<SVector<f64, N>> {
+    let row = |j: usize| SVector::<_, N>::from_fn(|i, _| if moved[i] { 0.0 } else { rows[(j, i)] });
+    let others: [bool; M] = core::array::from_fn(|j| !involved[j] && row(j).amax() > 0.0);
+    let unit = |i: usize, j: usize| if i == j { 1.0 } else { 0.0 };
+    let is_other = |i: usize, j: usize| !moved[i] && !moved[j];
+    let inertia = SMatrix::from_fn(|i, j| if is_other(i, j) { inertia[(i, j)] } else { unit(i, j) });
+    let inertia = ldlt(&inertia).ok()?;
+    let responses: [SVector<f64, N>; M] = core::array::from_fn(|j| inertia.solve(&row(j)));
+    let product =
+        |i: usize, j: usize| if others[i] && others[j] { dot(&row(i), &responses[j]) } else { unit(i, j) };
+    let rate = |j: usize| (0..N).map(|i| rows[(j, i)] * v[i]).sum::<f64>();
+    let rates = SVector::<f64, M>::from_fn(|j, _| if others[j] { -rate(j) } else { 0.0 });
+    let impulses = ldlt(&SMatrix::from_fn(product)).ok()?.solve(&rates);
+    Some((0..M).fold(SVector::zeros(), |sum, j| sum + responses[j] * impulses[j]))
+}
+
+/// Constraints that take part in the nearest dependence, by the products of gradients elsewhere and here: those whose
+/// square of the sine is no more than `brink`, and those that they depend on.
+fn involved<const M: usize>(
+    elsewhere: &SMatrix<f64, M, M>,
+    here: &SMatrix<f64, M, M>,
+    brink: f64,
+) -> Option<[bool; M]> {
+    let longest = core::array::from_fn(|j| elsewhere[(j, j)].max(here[(j, j)]));
+    let mut elimination = Elimination::new(here, longest);
+    loop {
+        let (row, pivot) = elimination.pivot()?;
+        if pivot <= brink {
+            let least = LEAST_PART + MARGIN * Functions::sqrt(pivot.max(0.0));
+            return Some(core::array::from_fn(|j| elimination.takes_part(j, least)));
+        }
+        elimination.eliminate(row);
+    }
 }
 
 /// The constraints of `system` that depend on each other at `at` up to the part `brink`, if any do.
@@ -142,6 +213,11 @@ impl Dependent {
     }
 }
 
+/// Smallest coefficient, of gradients scaled to the length 1, of a row that another one depends on; so many times the
+/// sine are none of its dependence.
+const LEAST_PART: f64 = 1e-3;
+const MARGIN: f64 = 5.0;
+
 /// Elimination of a matrix of products, scaled by squares of lengths, in the order of its largest pivots. These are
 /// squares of sines of the angles between a gradient and the span of those before it.
 struct Elimination<const M: usize> {
@@ -174,6 +250,12 @@ impl<const M: usize> Elimination<M> {
             }
             self.combination[(i, row)] = factor;
         }
+    }
+
+    /// Whether a row is one of those that were not chosen, or one that they depend on by at least so much.
+    fn takes_part(&self, row: usize, least: f64) -> bool {
+        let rest = || (0..M).filter(|&i| !self.chosen[i]);
+        !self.chosen[row] || rest().any(|i| self.combination[(i, row)].abs() > least)
     }
 
     /// The first row whose pivot is no more than `brink`.

@@ -369,7 +369,7 @@ where
         let Engine { controller, state, .. } = &*self;
         let derivative = |at: &State<Sys::Scalar, N>| {
             let qd = if Self::DEPENDENT && self.across[1] {
-                system.accel_across(&self.reference, at, Sys::Scalar::zero())
+                system.accel_across(&self.reference, at, Sys::Scalar::zero(), false)
             } else {
                 system.accel(&at.q, &at.qd, at.t)
             };

@@ -27,7 +27,7 @@ impl<Sys: System<N, Scalar: Real>, const N: usize> System<N> for Across<'_, Sys,
         qd: &SVector<Sys::Scalar, N>,
         t: Sys::Scalar,
     ) -> SVector<Sys::Scalar, N> {
-        self.system.accel_across(&self.reference, &State { t, q: *q, qd: *qd }, self.h)
+        self.system.accel_across(&self.reference, &State { t, q: *q, qd: *qd }, self.h, false)
     }
 }
 
@@ -47,7 +47,8 @@ impl<S: Real, Sys: Lagrangian<N, Scalar = S>, const N: usize> Lagrangian<N> for 
             for (places, weight) in [(1.0, 2.0 / 3.0), (2.0, -1.0 / 12.0)] {
                 for side in [-1.0, 1.0] {
                     let at = moved(S::from_f64(side * places * step));
-                    sum += self.accel(&at.q, &at.qd, at.t) * S::from_f64(side * weight / step);
+                    let accel = self.system.accel_across(&self.reference, &at, self.h, true);
+                    sum += accel * S::from_f64(side * weight / step);
                 }
             }
             sum
