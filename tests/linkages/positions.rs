@@ -128,9 +128,9 @@ fn a_folded_crank_keeps_its_branch() {
     }
 }
 
-/// A second freedom, which may be fast where the linkage is slow. Errors are compared with those of the twin by the same
-/// method, as motions of two freedoms lose digits on their own. Where the bob is led by a constraint, runs that do not
-/// get through are named.
+/// A second freedom, which may be fast where the linkage is slow. Errors are compared with those of the twin by the
+/// same method, as motions of two freedoms lose digits on their own. Where the bob is led by a constraint, runs that do
+/// not get through are named.
 #[test]
 fn a_pendulum_on_the_linkage_does_not_matter() {
     let mut named = 0;

@@ -252,7 +252,7 @@ impl<const M: usize> Elimination<M> {
         }
     }
 
-    /// Whether a row is one of those that were not chosen, or one that they depend on by at least so much.
+    /// A row takes part that was not chosen, or that one of those depends on by at least so much.
     fn takes_part(&self, row: usize, least: f64) -> bool {
         let rest = || (0..M).filter(|&i| !self.chosen[i]);
         !self.chosen[row] || rest().any(|i| self.combination[(i, row)].abs() > least)
