@@ -238,7 +238,7 @@ fn rods_without_a_metric() {
         let rod = Rod::new(m, 0.5);
         let failure = consistent(&rod, &guess).unwrap_err();
         assert!(matches!(failure, Failure::NonFinite { t: 0.0, h: 0.0 }), "{failure}");
-        assert!(failure.to_string().contains("a parameter, is not finite"), "{failure}");
+        assert!(failure.to_string().contains("a parameter is not finite"), "{failure}");
     }
     let ends = [1.0, -1.0].map(|m| {
         let rod = Rod::new(m, 0.5);
