@@ -198,6 +198,55 @@ fn reduced_systems_keep_their_momenta() {
     assert!((whole.state().q[0] - reduced.state().q[0]).abs() > 0.1);
 }
 
+#[cfg(feature = "analysis")]
+lagrangian! {
+    /// A carriage with Coulomb friction, a limited drive, quadratic drag of the drive's fan, and a buffer.
+    system Carriage {
+        param m = 2, friction = 0, limit = 10, fan = 0, buffer = 0;
+        input u;
+        coord x;
+        T = 0.5 * m * dot(x).powi(2);
+        V = 0;
+        Q[x] = u.clamp(-limit, limit) - friction * dot(x).signum() - fan * u * abs(u) - buffer * max(x, 0);
+    }
+}
+
+/// On a switch of the forces there is no linear model; where the derivatives agree, there is.
+#[cfg(feature = "analysis")]
+#[test]
+fn no_linear_model_on_a_switch() {
+    use lagrange_runtime::analysis::{AnalysisError, StateSpace};
+    let carriage = |change: fn(&mut Carriage)| {
+        let mut carriage = Carriage::default();
+        change(&mut carriage);
+        carriage
+    };
+    let rest = State::new(0.0, [-1.0], [0.0]);
+    let moving = State::new(0.0, [-1.0], [0.5]);
+    let touching = State::new(0.0, [0.0], [0.5]);
+    let on_a_switch = |carriage: &Carriage, at: &State<f64, 1>| {
+        let model = StateSpace::about(carriage, at);
+        assert!(matches!(model, Err(AnalysisError::Switch { .. })), "{model:?}");
+    };
+    let rubbing = carriage(|c| c.friction = 1.0);
+    on_a_switch(&rubbing, &rest);
+    assert!(matches!(StateSpace::without_inputs(&rubbing, &rest), Err(AnalysisError::Switch { .. })));
+    for u in [10.0, -10.0] {
+        let limited = Carriage { u, ..Carriage::default() };
+        let refused = StateSpace::about(&limited, &moving).unwrap_err();
+        assert_eq!(refused, AnalysisError::SwitchedInput { input: "u" });
+        assert_eq!(StateSpace::without_inputs(&limited, &moving).unwrap().a[(1, 1)], 0.0);
+    }
+    on_a_switch(&carriage(|c| c.buffer = 3.0), &touching);
+    let b = |carriage: &Carriage, at: &State<f64, 1>| StateSpace::about(carriage, at).unwrap().b[(1, 0)];
+    assert_eq!(b(&rubbing, &moving), 0.5);
+    assert_eq!(b(&carriage(|c| c.u = 10.1), &moving), 0.0);
+    assert_eq!(b(&carriage(|c| c.u = 9.9), &moving), 0.5);
+    // u |u| has a derivative at 0, as max(x, 0) without stiffness has.
+    assert_eq!(b(&carriage(|c| c.fan = 0.3), &rest), 0.5);
+    assert_eq!(b(&Carriage::default(), &touching), 0.5);
+}
+
 /// A, B, C and D against dual numbers.
 #[cfg(feature = "analysis")]
 #[test]

@@ -553,6 +553,40 @@ mod analysis {
         assert!(error.to_string().contains("the state `e` has the rate 3e1"), "{error}");
     }
 
+    /// A cart stays anywhere, its pole upright or down: what is left of the weight is rounding, and not a force on the
+    /// cart.
+    #[test]
+    fn rest_beside_an_ignorable_coordinate() {
+        lagrangian! {
+            system CartPole {
+                param cart = 1, m = 0.1, l = 0.5, g = 9.81;
+                input u;
+                coord x, theta: angle;
+                let px = x + l * sin(theta);
+                let py = l * cos(theta);
+                T = 0.5 * cart * dot(x).powi(2) + 0.5 * m * (dot(px).powi(2) + dot(py).powi(2));
+                V = m * g * py;
+                Q[x] = u;
+            }
+        }
+        let cart = CartPole::default();
+        for (guess, upright) in [(0.01, true), (-0.1, true), (0.4, true), (3.0, false), (1e-9, true)] {
+            let point = operating_point(&cart, &State::new(0.0, [0.7, guess], [0.0; 2])).unwrap();
+            let theta = if upright { 0.0 } else { std::f64::consts::PI };
+            assert!(
+                (point.state.q - SVector::from([0.7, theta])).amax() < 1e-6,
+                "{guess}: {}",
+                point.state.q
+            );
+            // λ² = ± (1 + m/M) g/l, and two poles of the cart.
+            let fast = point.poles.iter().map(|pole| pole.norm()).fold(0.0, f64::max);
+            assert!((fast - (1.1 * 9.81 / 0.5f64).sqrt()).abs() < 1e-6, "{guess}: {:?}", point.poles);
+        }
+        let pushed = CartPole { u: 1e-20, ..cart };
+        let error = operating_point(&pushed, &State::new(0.0, [0.0, 0.01], [0.0; 2])).unwrap_err();
+        assert!(matches!(error, AnalysisError::Unbalanced { .. }), "{error}");
+    }
+
     /// Poles need derivatives: a spring that is stiffer on one side has none at rest, a quadratic drag has.
     #[test]
     fn points_on_switches_have_no_poles() {

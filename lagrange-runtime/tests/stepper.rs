@@ -302,6 +302,29 @@ fn a_law_is_called_once_at_an_instant() {
     assert_eq!(calls(), 4);
 }
 
+/// At the end of a stretch of events, as of any other one, the law acts with the next step: on the state that is set
+/// there.
+#[test]
+fn a_law_does_not_act_at_the_end_of_a_stretch() {
+    let ends = [false, true].map(|events| {
+        let mut stepper =
+            Stepper::new(Driven::new(1.0, 0.0), Rk4, FixedStep::new(0.01), State::new(0.0, [0.0], [0.0]))
+                .every(0.1, |at, u| u[0] = 1.0 - at.q[0]);
+        if events {
+            assert!(
+                stepper.until(0.1).events(Event::either(|at: &State<f64, 1>| at.q[0] - 1.0)).next().is_none()
+            );
+        } else {
+            stepper.until(0.1).last().unwrap().unwrap();
+        }
+        assert_eq!(stepper.state().t, 0.1);
+        stepper.set_state(State::new(0.1, [1.0], [0.0])).unwrap();
+        stepper.advance_to(0.2).unwrap();
+        stepper.state().q[0]
+    });
+    assert_eq!(ends, [1.0; 2]);
+}
+
 #[test]
 fn controllers_have_periods_of_their_own() {
     use std::cell::RefCell;

@@ -128,6 +128,11 @@ pub(super) fn balanced(
         return unbalanced;
     }
     let size = left.norm();
+    // A displacement that would take them away is rounding.
+    let taken = derivatives * smallest_solution(derivatives.clone(), left, 0.0)?;
+    if (left - taken).norm() <= 1e-3 * size {
+        return Ok(());
+    }
     let (n, columns) = derivatives.shape();
     let mut square = DMatrix::zeros(columns, columns);
     square.view_mut((0, 0), (n, columns)).copy_from(derivatives);

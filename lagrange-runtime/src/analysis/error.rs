@@ -36,6 +36,12 @@ pub enum AnalysisError {
         /// Index of the switching function in [`System::switches`](crate::System::switches).
         index: usize,
     },
+    /// An input has a value on whose two sides the accelerations or their derivatives differ, as at the limit of a
+    /// `clamp`.
+    SwitchedInput {
+        /// Its name.
+        input: &'static str,
+    },
     /// Damping is negative: the energy grows along some motions.
     NegativeDamping {
         /// Smallest eigenvalue of the damping matrix, scaled to a unit diagonal.
@@ -141,7 +147,7 @@ impl AnalysisError {
     /// Its name: `"TimeDependent"`.
     pub fn name(&self) -> &'static str {
         variant! { self => AnalysisError:
-            NotEquilibrium, Inertia, TimeDependent, UnsymmetricInertia, Switch, NegativeDamping, DependentCoordinates, OffConstraints, DependentConstraints, ConstrainedInput, Circulatory, Gyroscopic, NotFinite, Dimension, NotConverged, Unbalanced, Running, AtRest, Unresolved, NoSteadyMotion, NotApplicable, Resonance, Run,
+            NotEquilibrium, Inertia, TimeDependent, UnsymmetricInertia, Switch, SwitchedInput, NegativeDamping, DependentCoordinates, OffConstraints, DependentConstraints, ConstrainedInput, Circulatory, Gyroscopic, NotFinite, Dimension, NotConverged, Unbalanced, Running, AtRest, Unresolved, NoSteadyMotion, NotApplicable, Resonance, Run,
         }
     }
 }
@@ -182,6 +188,11 @@ impl fmt::Display for AnalysisError {
                 "the state is on a switch of the forces (number {index} of `System::switches`), whose two sides have \
                  different derivatives: no linear equations hold about it; integrate it, or analyse each side as a system of \
                  its own"
+            ),
+            SwitchedInput { input } => write!(
+                f,
+                "the input `{input}` is where the forces switch (`clamp`, `abs`, `if`, …), and their derivatives on its two sides \
+                 differ: there is no B; take the model with the input on the side that is meant, or hold it (`without_inputs`)"
             ),
             NegativeDamping { eigenvalue } => write!(
                 f,
@@ -236,7 +247,7 @@ impl fmt::Display for AnalysisError {
             Unbalanced { force, coordinate } => write!(
                 f,
                 "a generalized force of {force:e} is left at coordinate {coordinate} that no displacement changes, so there is no \
-                 equilibrium: hold the system there, or take the force away"
+                 equilibrium near the guess: hold the system there, take the force away, or start where a force that saturates (`clamp`, `max`) is within its limits"
             ),
             Running { state, rate } => write!(
                 f,

@@ -2,6 +2,7 @@
 
 use super::balance::{balanced, smallest_solution};
 use super::hypotheses::autonomous;
+use super::state_space::accelerations;
 use super::switch::smooth;
 use super::{AnalysisError, StateSpace};
 use crate::failure::Coordinate;
@@ -117,17 +118,15 @@ pub fn operating_point<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
         // Where the residual falls no more, a small correction is rounding.
         if size <= if better { CONVERGED } else { ROUNDING } || left.amax() == 0.0 {
             let state = state(&x);
-            smooth(system, &state, size, |system, at| {
-                let by = system.jacobian(&at.q, &at.qd, at.t);
-                let accel = system.accel(&at.q, &at.qd, at.t);
-                let [q, qd] = [by.q, by.qd].map(|a| DMatrix::from_fn(N, N, |i, j| a[(i, j)]));
-                [DMatrix::from_column_slice(N, 1, accel.as_slice()), DMatrix::identity(N, N), qd, q]
-            })?;
+            smooth(system, &state, size, accelerations)?;
             balanced(&left, &derivatives(&state), &x, &|x| Ok(rates(x))).map_err(|error| match error {
                 AnalysisError::Unbalanced { force: rate, coordinate: Coordinate { index, .. } }
                     if index >= mechanical =>
                 {
                     AnalysisError::Running { state: Coordinate::of::<Sys, N>(index).name, rate }
+                }
+                AnalysisError::Unbalanced { force, coordinate: Coordinate { index, .. } } => {
+                    AnalysisError::Unbalanced { force, coordinate: Coordinate::of::<Sys, N>(index) }
                 }
                 other => other,
             })?;

@@ -3,6 +3,7 @@
 use super::AnalysisError;
 use super::eigen::eigenvalues;
 use super::exponential;
+use super::switch::{Equations, smooth};
 use super::tangent::{ACTS, Held, TangentSpace, dynamic, fulfilled, units};
 use crate::input::{InputJacobian, Inputs};
 use crate::lanes::Rescale;
@@ -42,6 +43,9 @@ impl StateSpace {
     ///   [`AnalysisError::OffConstraints`], [`AnalysisError::DependentConstraints`].
     /// - No input appears in a constraint: otherwise [`AnalysisError::ConstrainedInput`].
     /// - Accelerations and their derivatives are finite: otherwise [`AnalysisError::NotFinite`].
+    /// - The state is on no switch of the forces at which they or their derivatives jump, as Coulomb friction is at
+    ///   rest: otherwise [`AnalysisError::Switch`]. No input is, as one at the limit of a `clamp`: otherwise
+    ///   [`AnalysisError::SwitchedInput`].
     ///
     /// ```
     /// use lagrange_runtime::analysis::StateSpace;
@@ -69,14 +73,16 @@ impl StateSpace {
         at: &State<f64, N>,
     ) -> Result<Self, AnalysisError>
     where
-        Sys: InputJacobian<N, K, Scalar = f64> + Lagrangian<N>,
+        Sys: InputJacobian<N, K, Scalar = f64> + Lagrangian<N> + Clone,
     {
+        smooth(system, at, 0.0, accelerations)?;
+        smooth_in_inputs(system, at)?;
         let inputs = system.input_jacobian(&at.q, &at.qd, at.t);
         let by_inputs = DMatrix::from_fn(N, K, |i, k| inputs[(i, k)]);
         if let Some(constraint) = Sys::FACTS.constraints.iter().find(|constraint| constraint.has_input) {
             return Err(AnalysisError::ConstrainedInput { constraint: constraint.name });
         }
-        let free = Self::without_inputs(system, at)?;
+        let free = Self::regular(system, at)?;
         if by_inputs.iter().any(|x| !x.is_finite()) {
             return Err(AnalysisError::NotFinite);
         }
@@ -93,6 +99,15 @@ impl StateSpace {
         system: &Sys,
         at: &State<f64, N>,
     ) -> Result<Self, AnalysisError>
+    where
+        Sys: Lagrangian<N, Scalar = f64>,
+    {
+        smooth(system, at, 0.0, accelerations)?;
+        Self::regular(system, at)
+    }
+
+    /// The model about a state that is on no switch.
+    fn regular<Sys, const N: usize>(system: &Sys, at: &State<f64, N>) -> Result<Self, AnalysisError>
     where
         Sys: Lagrangian<N, Scalar = f64>,
     {
@@ -195,6 +210,50 @@ impl StateSpace {
         let [a, b] = exponential::held(&self.a, &self.b, period)?;
         Ok(StateSpace { a, b, ..self })
     }
+}
+
+/// Displacements of inputs, relative to `1 + |u|`, at which both sides are compared.
+const DISPLACEMENTS: [f64; 2] = [1e-7, 1e-10];
+
+/// Refuses inputs on whose two sides accelerations or their derivatives differ.
+fn smooth_in_inputs<Sys, const N: usize, const K: usize>(
+    system: &Sys,
+    at: &State<f64, N>,
+) -> Result<(), AnalysisError>
+where
+    Sys: InputJacobian<N, K, Scalar = f64> + Lagrangian<N> + Clone,
+{
+    let inputs = system.inputs();
+    let beside = |k: usize, h: f64| {
+        let (mut system, mut inputs) = (system.clone(), inputs);
+        inputs[k] += h * (1.0 + inputs[k].abs());
+        system.set_inputs(&inputs);
+        let by = system.input_jacobian(&at.q, &at.qd, at.t);
+        let [accel, _, qd, q] = accelerations(&system, at);
+        [accel, DMatrix::from_fn(N, K, |i, k| by[(i, k)]), qd, q]
+    };
+    for k in 0..K {
+        let [far, near] = DISPLACEMENTS.map(|h| [-h, h].map(|h| beside(k, h)));
+        for which in 0..4 {
+            let spread = |sides: &[Equations; 2]| (&sides[1][which] - &sides[0][which]).amax();
+            let floor = 256.0 * f64::EPSILON * near[0][which].amax().max(near[1][which].amax());
+            if spread(&near) > (0.01 * spread(&far)).max(floor) {
+                return Err(AnalysisError::SwitchedInput { input: Sys::INPUTS[k] });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// q̈, 1, ∂q̈/∂q̇ and ∂q̈/∂q at a state.
+pub(super) fn accelerations<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
+    system: &Sys,
+    at: &State<f64, N>,
+) -> Equations {
+    let by = system.jacobian(&at.q, &at.qd, at.t);
+    let accel = system.accel(&at.q, &at.qd, at.t);
+    let [q, qd] = [by.q, by.qd].map(|a| DMatrix::from_fn(N, N, |i, j| a[(i, j)]));
+    [DMatrix::from_column_slice(N, 1, accel.as_slice()), DMatrix::identity(N, N), qd, q]
 }
 
 /// The components of (q, q̇) that are part of x: all but the time integrals of states.

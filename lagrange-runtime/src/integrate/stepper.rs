@@ -433,6 +433,10 @@ where
     C: Controller<Sys::Scalar, N, M::Error>,
     U: Control<Sys, N>,
 {
+    fn is_over(&self) -> bool {
+        coincide(self.end, self.stepper.engine.state.t)
+    }
+
     /// The states at the given times, as [`Run::sample`](super::Run::sample). The stepper is left at the end of the
     /// step of the last one.
     pub fn sample<T>(self, times: T) -> Samples<Self, T::IntoIter, N>
@@ -494,6 +498,8 @@ where
     fn begin(&mut self) -> Result<(), Failure<Sys::Scalar>> {
         match self.failure {
             Some(failure) => Err(failure),
+            // (Controllers whose instant is the end act with the next step.)
+            None if self.is_over() => self.stepper.engine.towards(&self.stepper.system, Some(self.end)),
             None => self.stepper.begin(Some(self.end)),
         }
     }
