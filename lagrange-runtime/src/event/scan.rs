@@ -23,6 +23,9 @@ const NEAR: f64 = 1e-6;
 /// Rounding of g in units of ε beside its largest values.
 const ROUNDING: f64 = 4.0;
 
+/// Roundings of g within which the side of an event beside another one is kept.
+const NEAR_ANOTHER: f64 = 64.0;
+
 /// Roundings of g beyond which it has left a root.
 const LEFT: f64 = 4.0;
 
@@ -348,7 +351,9 @@ impl Scan {
         let before = (x - CLOSE).max(0.0);
         let side = sign(at(if self.last < x { before.max(0.5 * (self.last + x)) } else { before }));
         let passed = side * g < 0.0;
-        let reach = if passed { changes.max(2.0 * g.abs()) } else { changes };
+        // (A start within a few roundings counts as one on the root, unless its side is known.)
+        let reach =
+            if passed || g.abs() <= NEAR_ANOTHER * changes { changes.max(2.0 * g.abs()) } else { changes };
         self.pending = (side != 0.0).then_some([side, reach]);
         self.band = if passed { self.band.max(2.0 * g.abs()) } else { self.band };
         let direction = leaving(side);

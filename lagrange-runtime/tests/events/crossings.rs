@@ -905,6 +905,43 @@ fn what_is_passed_at_an_impact_is_told_once() {
     }
 }
 
+/// A mass under a constant force passes the place and the speed of a stop at one time, within some roundings: both are
+/// met by a stepper that goes on, and by a run that is restarted.
+#[test]
+fn a_place_and_a_speed_at_one_time_are_both_met() {
+    struct Push(f64);
+    impl System<1> for Push {
+        type Scalar = f64;
+        fn accel(&self, _: &SVector<f64, 1>, _: &SVector<f64, 1>, _: f64) -> SVector<f64, 1> {
+            SVector::from([self.0])
+        }
+    }
+    for k in 0..600 {
+        let (force, end) = (0.3 + 0.037 * f64::from(k % 60), 0.5 + 0.11 * f64::from(k / 7));
+        let (place, speed) = (0.5 * force * end * end, force * end);
+        let (at_place, at_speed) = (|s: &State<f64, 1>| s.q[0] - place, |s: &State<f64, 1>| s.qd[0] - speed);
+        let stops = (Event::rising(at_place).terminal(), Event::rising(at_speed).terminal());
+        let (push, start) = (Push(force), State::new(0.0, [0.0], [0.0]));
+        for tolerance in [1e-6, 1e-8, 1e-10, 1e-12] {
+            let pi = PiController::tolerance(tolerance);
+            let mut stepper = Stepper::new(Push(force), Dop853, pi, start);
+            let mut met = [0; 2];
+            while let Some(event) = stepper.until(1.5 * end).events(stops).next() {
+                met[event.unwrap().event] += 1;
+            }
+            assert_eq!(met, [1, 1], "stepper {k} {tolerance:e}");
+            let mut events = integrate(&push, Dop853, pi, start).until(1.5 * end).events(stops);
+            let mut met = [0; 2];
+            while let Some(event) = events.next() {
+                let event = event.unwrap();
+                met[event.event] += 1;
+                events.restart(event.state);
+            }
+            assert_eq!(met, [1, 1], "run {k} {tolerance:e}");
+        }
+    }
+}
+
 /// The same by a stepper, whose events are looked for anew after each of them.
 #[test]
 fn a_stepper_meets_both_sides_of_a_corner() {
