@@ -581,6 +581,12 @@ impl<S: fmt::Debug> core::error::Error for Failure<S> {}
 impl<S> Failure<S> {
     /// The same with times and steps of another type.
     pub fn map<R>(self, f: impl Fn(S) -> R) -> Failure<R> {
+        self.mapped(&f)
+    }
+
+    /// [`map`](Self::map), compiled once for all functions.
+    #[cold]
+    fn mapped<R>(self, f: &dyn Fn(S) -> R) -> Failure<R> {
         match self {
             Failure::StepSizeUnderflow { t, h, cause } => {
                 Failure::StepSizeUnderflow { t: f(t), h: f(h), cause }
