@@ -247,8 +247,8 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
     }
 
     /// Goes on from `state`, which may differ from the one reached: an impact changes velocities. Events that were
-    /// told there, and that `state` lies on but for rounding, are not met there again. Those of the same time that
-    /// were not told yet are told after the restart, if the motion from `state` still crosses them.
+    /// reported there, and that `state` lies on but for rounding, are not met there again. Those of the same time that
+    /// were not reported yet are reported after the restart, if the motion from `state` still crosses them.
     pub fn restart(&mut self, state: State<Number<D, N>, N>) {
         self.run.parts().1.restart(state);
         self.step = None;

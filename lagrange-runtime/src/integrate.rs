@@ -12,8 +12,12 @@ use core::fmt;
 pub use drive::{Drive, Number};
 pub(crate) use engine::Engine;
 use engine::Status;
+#[cfg(feature = "std")]
+pub use sampled::ControlLaw;
 pub use sampled::{Control, Every};
 pub use sides::{Side, Sides};
+#[cfg(feature = "std")]
+pub use stepper::SampledStepper;
 pub use stepper::{Advance, Stepper, Stretch};
 
 /// Integrates `system` from `start`. The result is an iterator of accepted steps, which makes none until it is asked

@@ -36,7 +36,7 @@
 //! |---|---|---|
 //! | a motion from a start to an end | [`integrate`](integrate()), a [`Run`] | borrows the system; an iterator of steps, with samples, events and integrals |
 //! | a program that says when to go on: a simulator, a game, a test rig | [`Stepper`] | owns the system, which may change between steps; lives in a struct, is cloned as a snapshot, takes a bound on the work of a call |
-//! | a controller with a period | [`Stepper::every`] | lands on the controller's instants, and holds the inputs in between |
+//! | a digital controller | [`Stepper::every`], in a struct [`SampledStepper`](integrate::SampledStepper) with a boxed [`ControlLaw`](integrate::ControlLaw) | lands on the sampling instants, and holds the inputs in between |
 //! | many motions | module `ensemble` | threads, and lanes in vector registers |
 //!
 //! # Which method?
@@ -295,6 +295,8 @@ macro_rules! __saved {
 /// It holds the methods and controllers that the tables of the [front page](crate) recommend,
 /// [`integrate`](crate::integrate()) and its kin, and the traits that bounds of generic functions name.
 pub mod prelude {
+    #[cfg(feature = "std")]
+    pub use crate::integrate::{ControlLaw, SampledStepper};
     pub use crate::traits::{
         Analytic, Autonomous, Conservative, ConstantInertia, Constrained, ConstraintKind, CoordinateKind,
         Energies, ExternFunction, Impulsive, Independent, InputJacobian, Inputs, Lagrangian,

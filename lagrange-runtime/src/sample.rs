@@ -16,8 +16,11 @@ where
     M: Method<Sys, N>,
     C: Controller<Sys::Scalar, N, M::Error>,
 {
-    /// Runs to the end, which [`until`](Self::until) must have set, and gives the state there. What it cost is told by
-    /// [`run_to_end`](Self::run_to_end).
+    /// Runs to the end, which [`until`](Self::until) must have set, and gives the state there. The cost can be read
+    /// after [`run_to_end`](Self::run_to_end).
+    ///
+    /// Events are not looked for, terminal ones of the system neither: the motion goes on through them to the end.
+    /// `run.events(Ball::GROUND).final_state()` ends at the event `ground` of the system.
     pub fn final_state(mut self) -> Result<State<Sys::Scalar, N>, Failed<Sys::Scalar, N>> {
         self.exhaust()?;
         Ok(*self.state())

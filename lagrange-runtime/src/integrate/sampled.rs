@@ -51,18 +51,18 @@ where
     Ok(changed)
 }
 
-/// Control that sets the inputs of a stepper at instants of its own: nothing, `()`, or [`Every`].
+/// Control that sets the inputs of a stepper at its sampling instants: none, `()`, or [`Every`].
 pub trait Control<Sys: System<N, Scalar: Real>, const N: usize> {
-    /// The next instant.
+    /// The next sampling instant.
     fn instant(&self) -> Option<Sys::Scalar>;
 
-    /// Sets the inputs at an instant. Returns whether they have changed.
+    /// Sets the inputs at a sampling instant. Returns whether they have changed.
     fn act(&mut self, state: &State<Sys::Scalar, N>, system: &mut Sys) -> Result<bool, Failure<Sys::Scalar>>;
 
-    /// The next instant is the first one not before t.
+    /// Makes the first sampling instant that is not before t the next one.
     fn seek(&mut self, t: Sys::Scalar);
 
-    /// Fails unless instants from the time t on can be told apart.
+    /// Fails unless sampling instants from the time t on differ by more than rounding.
     fn check(&self, t: Sys::Scalar) -> Result<(), Failure<Sys::Scalar>>;
 }
 
@@ -83,7 +83,15 @@ impl<Sys: System<N, Scalar: Real>, const N: usize> Control<Sys, N> for () {
     }
 }
 
-/// A controller with a period, made by [`Stepper::every`](super::Stepper::every), beside `others`.
+/// Control law in a box: it sets the `K` inputs of a system of `N` coordinates from the state at a sampling instant.
+/// It has one type whatever the closure captures, so that a struct can name the type of its stepper, see
+/// [`SampledStepper`](super::SampledStepper).
+#[cfg(feature = "std")]
+pub type ControlLaw<const N: usize, const K: usize, S = f64> =
+    Box<dyn FnMut(&State<S, N>, &mut SVector<S, K>) + Send>;
+
+/// Sampled controller, made by [`Stepper::every`](super::Stepper::every), beside `others`.
+/// [`SampledStepper`](super::SampledStepper) is the type of a stepper with one of them.
 #[derive(Clone, Copy, Debug)]
 pub struct Every<S, F, const K: usize, U = ()> {
     origin: S,

@@ -1,8 +1,10 @@
-//! `Stepper`: system, method, controller and state in one value.
+//! `Stepper`: system, method, step-size controller and state in one value.
 
 use super::Statistics;
 use super::drive::Drive;
 use super::engine::{Engine, Status, admitted};
+#[cfg(feature = "std")]
+use super::sampled::ControlLaw;
 use super::sampled::{Control, Every, coincide, reached};
 use super::sides::Sides;
 use crate::controller::{Controller, FirstStep};
@@ -17,13 +19,15 @@ use crate::state::State;
 use crate::system::System;
 use nalgebra::SVector;
 
-/// A motion that goes on when it is told to: system, method, controller and state in one value without lifetimes. It
-/// is [`Send`], can be kept in a field, a `Vec` or a map, and a clone of it is a snapshot. It takes the steps of a
-/// [`Run`](super::Run), bit for bit, and checks what a run checks.
+/// System, method, step-size controller and state in one value without lifetimes, which advances by the calls of its
+/// owner. It is [`Send`], can be kept in a field, a `Vec` or a map, and a clone of it is a snapshot. It takes the
+/// steps of a [`Run`](super::Run), bit for bit, and checks what a run checks.
 ///
-/// The system may change between steps: its inputs by [`set_inputs`](Self::set_inputs) or by a controller with its
-/// own period, [`every`](Self::every), all of it by [`system_mut`](Self::system_mut). What the method remembers of
-/// the system is computed anew before the next step, which has the order of the method; the step size goes on.
+/// The system may change between steps: its inputs by [`set_inputs`](Self::set_inputs) or by a digital controller with
+/// its sample time, [`every`](Self::every), all of it by [`system_mut`](Self::system_mut). The memory of the method is
+/// computed anew before the next step, which has the order of the method; the step size is kept.
+///
+/// The type of a stepper with a digital controller, in a field of a struct, is `SampledStepper`.
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
@@ -60,6 +64,40 @@ pub struct Stepper<Sys: System<N>, M: Method<Sys, N>, C, const N: usize, U = ()>
     max_steps: Option<u64>,
     sides: Sides,
 }
+
+/// Stepper with one sampled controller, whose control law is in a box: the type of
+/// [`Stepper::every`] of a [`ControlLaw`], to be written in a field of a struct. `N` is the
+/// number of coordinates (and states of first order), `K` that of inputs.
+///
+/// ```
+/// use lagrange_runtime::prelude::*;
+/// lagrangian! {
+///     pub system Cart {
+///         param m = 2.0;
+///         input force;
+///         coord x: length;
+///         T = 0.5 * m * dot(x).powi(2);
+///         V = 0;
+///         Q[x] = force;
+///     }
+/// }
+/// struct Rig {
+///     plant: SampledStepper<Cart, Dop853, PiController, 1, 1>,
+/// }
+/// let start = State::new(0.0, [1.0], [0.0]);
+/// let control_law: ControlLaw<1, 1> = Box::new(|at, u| u[0] = -8.0 * at.q[0] - 8.0 * at.qd[0]);
+/// let plant = Stepper::new(Cart::default(), Dop853, PiController::tolerance(1e-9), start).every(0.01, control_law);
+/// let mut rig = Rig { plant };
+/// rig.plant.advance_to(10.0)?;
+/// assert!(rig.plant.state().q[0].abs() < 1e-6);
+/// # Ok::<(), Failure>(())
+/// ```
+///
+/// A box cannot be cloned, nor can a stepper that has one. A control law that captures nothing is a function and needs
+/// no box: [`Every`]`<f64, fn(&State<f64, N>, &mut SVector<f64, K>), K>` can be cloned.
+#[cfg(feature = "std")]
+pub type SampledStepper<Sys, M, C, const N: usize, const K: usize> =
+    Stepper<Sys, M, C, N, Every<<Sys as System<N>>::Scalar, ControlLaw<N, K, <Sys as System<N>>::Scalar>, K>>;
 
 /// The outcome of [`Stepper::advance_within`].
 #[must_use = "the stepper may not have arrived"]
@@ -98,27 +136,29 @@ where
     C: Controller<Sys::Scalar, N, M::Error>,
     U: Control<Sys, N>,
 {
-    /// Lets `law` set the inputs at the times `t₀ + k period`, k = 0, 1, …, where t₀ is the present time. It is given
-    /// the state and the inputs that were held up to then.
+    /// Adds a digital controller with the sample time `period`: the control law sets the inputs at the sampling
+    /// instants `t₀ + k period`, k = 0, 1, …, where t₀ is the present time. It is given the state and the inputs that
+    /// were held up to then. In a struct the control law is in a box: see `SampledStepper`.
     ///
-    /// Steps land on these instants exactly, and the input is held in between. It is right-continuous: at an instant
-    /// it is what `law` sets there. `law` is called once per instant. [`advance_to`](Self::advance_to) an instant
-    /// ends with the call; a way [`until`](Self::until) an instant does not, nor does a [`step`](Self::step) that
-    /// lands there: the next step makes it, so that the interpolant of a step has the input that was held in it.
-    /// Times that differ by rounding are one instant. Inputs that do not change cost no evaluation.
+    /// Steps end on the sampling instants exactly, and the inputs are held in between (zero-order hold). They are
+    /// right-continuous: at a sampling instant they are what the control law sets there. It is called once per
+    /// sampling instant. [`advance_to`](Self::advance_to) a sampling instant ends with the call. If
+    /// [`until`](Self::until) or a [`step`](Self::step) ends there, the next step makes the call, so that the
+    /// interpolant of a step has the inputs that were held in it. Sampling instants that differ by rounding are one.
+    /// Inputs that do not change cost no evaluation.
     ///
-    /// Several controllers may have periods of their own; those that share an instant act in the order in which they
-    /// were given. Instants keep their origin t₀ when the state is set to another time.
+    /// Several controllers may have sample times of their own; those that share a sampling instant act in the order in
+    /// which they were given. Sampling instants keep their origin t₀ when the state is set to another time.
     ///
     /// # Errors
     /// The next step fails with [`Failure::BadPeriod`] unless the period is positive, finite and at least 64
-    /// roundings of the time long, with [`Failure::InputNotFinite`] where `law` sets what is not finite (the system
-    /// then keeps its inputs), and with [`Failure::Unsuitable`] if steps go back in time. A period that becomes too
-    /// short as time grows fails at the instant where it does.
+    /// roundings of the time long, with [`Failure::InputNotFinite`] where the control law sets an input that is not
+    /// finite (the system then keeps its inputs), and with [`Failure::Unsuitable`] if steps go back in time. A period
+    /// that becomes too short as time grows fails at the sampling instant where it does.
     pub fn every<F, const K: usize>(
         self,
         period: Sys::Scalar,
-        law: F,
+        control_law: F,
     ) -> Stepper<Sys, M, C, N, Every<Sys::Scalar, F, K, U>>
     where
         Sys: Inputs<N, K>,
@@ -126,7 +166,7 @@ where
     {
         let Stepper { system, mut engine, control, max_steps, sides } = self;
         engine.status = Status::Unprepared;
-        let control = Every::new(engine.state.t, period, law, control);
+        let control = Every::new(engine.state.t, period, control_law, control);
         Stepper { system, engine, control, max_steps, sides }
     }
 
@@ -142,9 +182,10 @@ where
         &self.engine.state
     }
 
-    /// Goes on from another state, at the same time or at another one, with a step size that is chosen anew. Instants
-    /// of controllers stay where they are. A controller that has acted at the present instant does not act there
-    /// again; at another time, it acts at the first instant that is not before it, be it for the second time.
+    /// Goes on from another state, at the same time or at another one, with a step size that is chosen anew.
+    /// Sampling instants stay where they are. A control law that was called at the present time is not called there
+    /// again. At another time, it is called at the first sampling instant that is not before that time, be it for the
+    /// second time.
     ///
     /// # Errors
     /// [`Failure::NonFinite`], or [`Failure::ConstraintViolated`] if the state is not on the constraints of the
@@ -240,16 +281,21 @@ where
         self.system
     }
 
-    /// Takes one step, of the length that the controller wants, or up to the next instant of [`every`](Self::every).
+    /// Takes one step, of the length that the step-size controller wants, or up to the next sampling instant of
+    /// [`every`](Self::every). Events are not looked for, as in [`advance_to`](Self::advance_to).
     #[inline]
     pub fn step(&mut self) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
         self.allow(self.max_steps);
         self.go(None)
     }
 
-    /// Goes forward to the time t exactly: afterwards `state().t == t`. Controllers whose instant t is act there.
-    /// Fixed steps up to there are equal, as those of [`Run::until`](super::Run::until); an adaptive step is
-    /// shortened, or longer by up to 1 %, and the step after it has the length that it would have had.
+    /// Goes forward to the time t exactly: afterwards `state().t == t`. Control laws with a sampling instant at t are
+    /// called there. Fixed steps up to there are equal, as those of [`Run::until`](super::Run::until). An adaptive
+    /// step is shortened, or longer by up to 1 %, and the step after it has the length that it would have had.
+    ///
+    /// Events are not looked for, terminal ones of the system neither: the motion goes on through them to t.
+    /// `until(t).events(CartPole::STOP).next()` stops at the event `stop` of the system, and gives `None` if t comes
+    /// first.
     ///
     /// # Errors
     /// Those of steps; [`Failure::TimeGoesBack`] if t lies behind.
@@ -259,8 +305,8 @@ where
         self.arrive(t)
     }
 
-    /// Goes towards the time t with `attempts` steps at most, accepted or not, for who has to be done by a deadline:
-    /// the steps are those of [`advance_to`](Self::advance_to), bit for bit, however often they are interrupted.
+    /// Goes towards the time t with `attempts` steps at most, accepted or not, for programs with a deadline. The
+    /// steps are those of [`advance_to`](Self::advance_to), bit for bit, however often they are interrupted.
     ///
     /// # Errors
     /// Those of [`advance_to`](Self::advance_to). That the attempts were used up is none.
@@ -280,12 +326,12 @@ where
         is_last.then(|| self.engine.interpolant(&self.system, step))
     }
 
-    /// The way to the time t: an iterator of the steps to there, and the source of events, samples and integrals. It
-    /// may be left anywhere: the stepper is at the end of the last step, or at a terminal event. Controllers whose
-    /// instant t is act with the next step, not at the end of the way.
+    /// The motion up to the time t: an iterator of its steps, and the source of events, samples and integrals. It may
+    /// be left anywhere: the stepper is at the end of the last step, or at a terminal event. Control laws with a
+    /// sampling instant at t are called by the next step, not at t.
     ///
     /// Functions of events and integrands are given the state alone. The inputs are those of [`inputs`](Self::inputs)
-    /// between two steps; where a function needs them, let it share a `Cell` with the law.
+    /// between two steps; where a function needs them, let it share a `Cell` with the control law.
     ///
     /// ```
     /// use lagrange_runtime::prelude::*;
@@ -330,7 +376,7 @@ where
         }
     }
 
-    /// Do steps go back in time? Fails if controllers act on the way.
+    /// Do steps go back in time? Fails if there are digital controllers.
     fn goes_back(&self) -> Result<bool, Failure<Sys::Scalar>> {
         let back = matches!(self.engine.controller.first_step(), FirstStep::Fixed(h) if h < Scalar::zero());
         if back && self.control.instant().is_some() {
@@ -363,7 +409,7 @@ where
         self.act()
     }
 
-    /// Lets controllers act whose instant has come.
+    /// Calls the control laws whose sampling instant has come.
     #[inline(always)]
     fn act(&mut self) -> Result<(), Failure<Sys::Scalar>> {
         let due = self.control.instant().is_some_and(|instant| reached(instant, self.engine.state.t));
@@ -416,7 +462,7 @@ where
     }
 }
 
-/// The way of a stepper to a time, made by [`Stepper::until`]: an iterator of accepted steps. After a failure it
+/// The motion of a stepper up to a time, made by [`Stepper::until`]: an iterator of accepted steps. After a failure it
 /// yields the failure once and ends.
 #[derive(Debug)]
 pub struct Stretch<'a, Sys: System<N>, M: Method<Sys, N>, C, const N: usize, U = ()> {
@@ -446,7 +492,7 @@ where
         Samples::new(self, times)
     }
 
-    /// The events on the way, as [`Run::events`](super::Run::events).
+    /// The events up to the time, as [`Run::events`](super::Run::events).
     pub fn events<E, const K: usize>(self, events: E) -> Events<Self, E, K, N>
     where
         E: EventSet<Sys, N, K>,
@@ -454,7 +500,7 @@ where
         Events::new(self, events)
     }
 
-    /// `∫ f dt` along the way, as [`Run::integrals`](super::Run::integrals).
+    /// `∫ f dt` along the motion, as [`Run::integrals`](super::Run::integrals).
     pub fn integrals<F, const I: usize>(
         self,
         start: [Sys::Scalar; I],
@@ -498,7 +544,7 @@ where
     fn begin(&mut self) -> Result<(), Failure<Sys::Scalar>> {
         match self.failure {
             Some(failure) => Err(failure),
-            // (Controllers whose instant is the end act with the next step.)
+            // (Control laws with a sampling instant at the end are called by the next step.)
             None if self.is_over() => self.stepper.engine.towards(&self.stepper.system, Some(self.end)),
             None => self.stepper.begin(Some(self.end)),
         }
