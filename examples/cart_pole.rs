@@ -88,8 +88,8 @@ impl Regulator {
     }
 }
 
-/// Knowledge of the controller: the counts of the last instant, velocities from their differences, and the force
-/// under way.
+/// Memory of the controller: the counts of the last sampling instant, velocities from their differences, and the
+/// force under way.
 struct Controller {
     system: CartPole,
     regulator: Regulator,
@@ -109,12 +109,12 @@ impl Controller {
             self.velocities[i] += 0.6 * ((counted[i] - last[i]) / PERIOD - self.velocities[i]);
         }
         let force = self.pending;
-        let wanted = self.law(state.t, counted, self.velocities, force);
+        let wanted = self.control_law(state.t, counted, self.velocities, force);
         self.pending = wanted.clamp(-STRONGEST, STRONGEST);
         force
     }
 
-    fn law(&mut self, t: f64, [x, theta]: [f64; 2], [v, w]: [f64; 2], force: f64) -> f64 {
+    fn control_law(&mut self, t: f64, [x, theta]: [f64; 2], [v, w]: [f64; 2], force: f64) -> f64 {
         let CartPole { cart, bob: m, l, g, c, .. } = self.system;
         let theta = lagrange_runtime::wrapped_angle(theta);
         if theta.abs() < 0.3 && w.abs() < 3.0 {

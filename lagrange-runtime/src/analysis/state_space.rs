@@ -172,7 +172,7 @@ impl StateSpace {
         StateSpace { c, d, ..self }
     }
 
-    /// The model from one instant of a sampled controller to the next, with the inputs held in between:
+    /// The model from one sampling instant of a digital controller to the next, with a zero-order hold of the inputs:
     /// `A = exp(A T)`, `B = ∫₀ᵀ exp(A s) ds B`, in double-double arithmetic. Poles that are so fast that they have
     /// long decayed cost slow ones no digits.
     ///
