@@ -17,7 +17,7 @@ pub(super) fn energy(e: &mut Elaborator, keyword: &Ident, expression: &Expr, val
             e.errors.push(expression, message);
         }
         "V" if moving => {
-            let message = "the potential energy depends on velocities\nhelp: a velocity-dependent potential belongs in the whole Lagrangian: write `L = …;` instead of `T` and `V`";
+            let message = "the potential energy depends on velocities\nhelp: a damper is `D = 0.5 * c * dot(x).powi(2);`, another force `Q[x] = …;`; a velocity-dependent potential belongs in the whole Lagrangian, `L = …;` instead of `T` and `V`";
             match moving_word(e, expression.to_token_stream()) {
                 Some(word) => e.errors.push(word, message),
                 None => e.errors.push(expression, message),

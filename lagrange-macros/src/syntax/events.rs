@@ -50,7 +50,7 @@ pub fn event(input: ParseStream, attributes: Vec<Attribute>, errors: &mut Errors
         return Ok(event);
     }
     let value: Expr = input.parse()?;
-    event.value = function(&event.name, value, errors);
+    event.value = function(&event.name, value, ends_a_run(&input.fork()), errors);
     let mut directed = None;
     while input.peek(Token![,]) {
         input.parse::<Token![,]>()?;
@@ -62,8 +62,20 @@ pub fn event(input: ParseStream, attributes: Vec<Attribute>, errors: &mut Errors
     Ok(event)
 }
 
+/// Options of a declaration of which one is `terminal`.
+fn ends_a_run(input: ParseStream) -> bool {
+    while !input.peek(Token![;]) {
+        match input.parse::<TokenTree>() {
+            Ok(TokenTree::Ident(word)) if word == "terminal" => return true,
+            Ok(_) => {}
+            Err(_) => return false,
+        }
+    }
+    false
+}
+
 /// The function of an event, unless a comparison stands in its place.
-fn function(name: &Ident, value: Expr, errors: &mut Errors) -> Option<Expr> {
+fn function(name: &Ident, value: Expr, terminal: bool, errors: &mut Errors) -> Option<Expr> {
     let Expr::Binary(comparison) = &value else { return Some(value) };
     let direction = match comparison.op {
         BinOp::Eq(_) | BinOp::Ne(_) => "",
@@ -77,8 +89,9 @@ fn function(name: &Ident, value: Expr, errors: &mut Errors) -> Option<Expr> {
         Expr::Binary(_) => format!("{left} - ({right})"),
         _ => format!("{left} - {right}"),
     };
+    let terminal = if terminal { ", terminal" } else { "" };
     let message = format!(
-        "an event is where a function passes zero, and this is a condition\nhelp: write `event {name}: {difference}{direction};`"
+        "an event is where a function passes zero, and this is a condition\nhelp: write `event {name}: {difference}{direction}{terminal};`"
     );
     errors.push(comparison.op, message);
     None

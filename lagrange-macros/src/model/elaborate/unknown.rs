@@ -40,6 +40,19 @@ const FOREIGN: &[(&[&str], &str)] = &[
     (&["csc", "cosec"], "write `1 / sin(x)`"),
     (&["cot", "ctg", "cotan"], "write `1 / tan(x)`"),
     (&["fabs", "absolute"], "the absolute value is `abs(x)`"),
+    (
+        &["sat", "saturate", "saturation", "clip", "limit", "bound"],
+        "a number is kept within limits by `x.clamp(low, high)`",
+    ),
+    (&["deadzone", "dead_zone", "deadband"], "a dead zone of half-width w is `x - x.clamp(-w, w)`"),
+    (
+        &["interp", "interp1", "lookup", "lookup_table", "table", "spline"],
+        "measured data are a function with data: `extern name: Curve(x);`, called as `name(x)`",
+    ),
+    (
+        &["delay", "transport_delay", "deadtime"],
+        "a lag is a state of first order, `state y; rate(y) = (u - y) / tau;`; a pure delay belongs into a sampled control law, which keeps old values",
+    ),
     (&["heaviside", "Heaviside", "step", "Piecewise", "piecewise", "where", "ifelse", "select"], CHOICE),
     (&["floor", "ceil", "round", "trunc", "fract", "modulo", "fmod", "rem", "rem_euclid"], PERIODIC),
     (&["not"], "write `!(x < 0)`"),
