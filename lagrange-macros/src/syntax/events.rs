@@ -50,7 +50,6 @@ pub fn event(input: ParseStream, attributes: Vec<Attribute>, errors: &mut Errors
         return Ok(event);
     }
     let value: Expr = input.parse()?;
-    event.value = function(&event.name, value, ends_a_run(&input.fork()), errors);
     let mut directed = None;
     while input.peek(Token![,]) {
         input.parse::<Token![,]>()?;
@@ -59,19 +58,8 @@ pub fn event(input: ParseStream, attributes: Vec<Attribute>, errors: &mut Errors
         }
         option(input, &mut event, &mut directed, errors)?;
     }
+    event.value = function(&event.name, value, event.terminal, errors);
     Ok(event)
-}
-
-/// Options of a declaration of which one is `terminal`.
-fn ends_a_run(input: ParseStream) -> bool {
-    while !input.peek(Token![;]) {
-        match input.parse::<TokenTree>() {
-            Ok(TokenTree::Ident(word)) if word == "terminal" => return true,
-            Ok(_) => {}
-            Err(_) => return false,
-        }
-    }
-    false
 }
 
 /// The function of an event, unless a comparison stands in its place.

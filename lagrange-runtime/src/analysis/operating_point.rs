@@ -120,17 +120,16 @@ pub fn operating_point<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
             let state = state(&x);
             smooth(system, &state, size, accelerations)?;
             balanced(&left, &derivatives(&state), &x, &|x| Ok(rates(x))).map_err(|error| match error {
-                AnalysisError::Unbalanced { force: rate, coordinate: Coordinate { index, .. } }
-                    if index >= mechanical =>
-                {
-                    AnalysisError::Running { state: Coordinate::of::<Sys, N>(index).name, rate }
-                }
                 AnalysisError::Unbalanced { force, coordinate: Coordinate { index, .. } } => {
-                    AnalysisError::Unbalanced { force, coordinate: Coordinate::of::<Sys, N>(index) }
+                    let coordinate = Coordinate::of::<Sys, N>(index);
+                    match index < mechanical {
+                        true => AnalysisError::Unbalanced { force, coordinate },
+                        false => AnalysisError::Running { state: coordinate.name, rate: force },
+                    }
                 }
                 other => other,
             })?;
-            let poles = StateSpace::without_inputs(system, &state)?.poles()?;
+            let poles = StateSpace::regular(system, &state)?.poles()?;
             return Ok(OperatingPoint { state, residual: left.amax(), poles });
         }
         if !better {

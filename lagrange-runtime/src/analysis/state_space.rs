@@ -3,7 +3,7 @@
 use super::AnalysisError;
 use super::eigen::eigenvalues;
 use super::exponential;
-use super::switch::{Equations, smooth};
+use super::switch::{DISPLACEMENTS, Equations, shrinks, smooth};
 use super::tangent::{ACTS, Held, TangentSpace, dynamic, fulfilled, units};
 use crate::input::{InputJacobian, Inputs};
 use crate::lanes::Rescale;
@@ -76,7 +76,6 @@ impl StateSpace {
         Sys: InputJacobian<N, K, Scalar = f64> + Lagrangian<N> + Clone,
     {
         smooth(system, at, 0.0, accelerations)?;
-        smooth_in_inputs(system, at)?;
         let inputs = system.input_jacobian(&at.q, &at.qd, at.t);
         let by_inputs = DMatrix::from_fn(N, K, |i, k| inputs[(i, k)]);
         if let Some(constraint) = Sys::FACTS.constraints.iter().find(|constraint| constraint.has_input) {
@@ -86,6 +85,7 @@ impl StateSpace {
         if by_inputs.iter().any(|x| !x.is_finite()) {
             return Err(AnalysisError::NotFinite);
         }
+        smooth_in_inputs(system, at)?;
         let rates = |i: usize, k: usize| free.states[i].checked_sub(N).map_or(0.0, |i| by_inputs[(i, k)]);
         let n = free.states.len();
         Ok(StateSpace { b: DMatrix::from_fn(n, K, rates), d: DMatrix::zeros(n, K), ..free })
@@ -107,7 +107,10 @@ impl StateSpace {
     }
 
     /// The model about a state that is on no switch.
-    fn regular<Sys, const N: usize>(system: &Sys, at: &State<f64, N>) -> Result<Self, AnalysisError>
+    pub(super) fn regular<Sys, const N: usize>(
+        system: &Sys,
+        at: &State<f64, N>,
+    ) -> Result<Self, AnalysisError>
     where
         Sys: Lagrangian<N, Scalar = f64>,
     {
@@ -212,9 +215,6 @@ impl StateSpace {
     }
 }
 
-/// Displacements of inputs, relative to `1 + |u|`, at which both sides are compared.
-const DISPLACEMENTS: [f64; 2] = [1e-7, 1e-10];
-
 /// Refuses inputs on whose two sides accelerations or their derivatives differ.
 fn smooth_in_inputs<Sys, const N: usize, const K: usize>(
     system: &Sys,
@@ -233,11 +233,11 @@ where
         [accel, DMatrix::from_fn(N, K, |i, k| by[(i, k)]), qd, q]
     };
     for k in 0..K {
-        let [far, near] = DISPLACEMENTS.map(|h| [-h, h].map(|h| beside(k, h)));
+        let sides = DISPLACEMENTS.map(|h| [-h, h].map(|h| beside(k, h)));
         for which in 0..4 {
-            let spread = |sides: &[Equations; 2]| (&sides[1][which] - &sides[0][which]).amax();
-            let floor = 256.0 * f64::EPSILON * near[0][which].amax().max(near[1][which].amax());
-            if spread(&near) > (0.01 * spread(&far)).max(floor) {
+            let spread = sides.each_ref().map(|[below, above]| (&above[which] - &below[which]).amax());
+            let size = sides[1].iter().map(|side| side[which].amax()).fold(0.0, f64::max);
+            if !shrinks(spread, size) {
                 return Err(AnalysisError::SwitchedInput { input: Sys::INPUTS[k] });
             }
         }

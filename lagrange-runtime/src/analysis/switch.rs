@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector, SVector};
 const MAX_SWITCHES: usize = 10;
 
 /// Displacements from a switch, relative to `1 + |x|`, at which its sides are compared.
-const DISPLACEMENTS: [f64; 2] = [1e-7, 1e-10];
+pub(super) const DISPLACEMENTS: [f64; 2] = [1e-7, 1e-10];
 
 /// Values of the switching functions at rest at `q`.
 pub(super) fn switching<Sys: System<N>, const N: usize>(system: &Sys, q: &SVector<Sys::Scalar, N>) -> Vec<f64>
@@ -105,14 +105,15 @@ where
     }
     // Forces that cancel are as uncertain as a displacement by rounding makes them.
     sizes[0] += sizes[3] * (1.0 + at.q.iter().map(|x| x.to_f64().abs()).fold(0.0, f64::max));
-    let shrinks = |which: usize| {
-        let floor = 256.0 * f64::EPSILON * sizes[which];
-        spread[1][which] <= (0.01 * spread[0][which]).max(floor)
-    };
-    match (0..4).all(shrinks) {
+    match (0..4).all(|which| shrinks(spread.map(|spread| spread[which]), sizes[which])) {
         true => Ok(()),
         false => refused,
     }
+}
+
+/// Returns whether the differences of two sides at the [`DISPLACEMENTS`], of values of this size, vanish at the switch.
+pub(super) fn shrinks([far, near]: [f64; 2], size: f64) -> bool {
+    near <= (0.01 * far).max(256.0 * f64::EPSILON * size)
 }
 
 /// Values and rates of the switching functions.

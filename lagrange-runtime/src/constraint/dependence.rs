@@ -104,14 +104,9 @@ fn involved<const M: usize>(
 ) -> Option<[bool; M]> {
     let longest = core::array::from_fn(|j| elsewhere[(j, j)].max(here[(j, j)]));
     let mut elimination = Elimination::new(here, longest);
-    loop {
-        let (row, pivot) = elimination.pivot()?;
-        if pivot <= brink {
-            let least = LEAST_PART + MARGIN * Functions::sqrt(pivot.max(0.0));
-            return Some(core::array::from_fn(|j| elimination.takes_part(j, least)));
-        }
-        elimination.eliminate(row);
-    }
+    let (_, pivot, _) = elimination.up_to(brink)?;
+    let least = LEAST_PART + MARGIN * Functions::sqrt(pivot.max(0.0));
+    Some(core::array::from_fn(|j| elimination.takes_part(j, least)))
 }
 
 /// The constraints of `system` that depend on each other at `at` up to the part `brink`, if any do.
@@ -258,21 +253,26 @@ impl<const M: usize> Elimination<M> {
         !self.chosen[row] || rest().any(|i| self.combination[(i, row)].abs() > least)
     }
 
-    /// The first row whose pivot is no more than `brink`.
-    fn dependent(mut self, brink: f64) -> Option<Dependent> {
+    /// Eliminates rows up to the first one whose pivot is no more than `brink`: it, its pivot and the number before it.
+    fn up_to(&mut self, brink: f64) -> Option<(usize, f64, usize)> {
         for rank in 0..M {
             let (row, pivot) = self.pivot()?;
             if pivot <= brink {
-                let part = |j: usize| self.combination[(row, j)].abs();
-                let chosen = || (0..M).filter(|&j| self.chosen[j]);
-                let on = chosen().max_by(|&i, &j| part(i).total_cmp(&part(j)));
-                let others =
-                    on.map_or(0, |on| chosen().filter(|&j| j != on && part(j) > 1e-3 * part(on)).count());
-                return Some(Dependent { row, on, others, left: pivot.max(0.0), rank });
+                return Some((row, pivot, rank));
             }
             self.eliminate(row);
         }
         None
+    }
+
+    /// The first row whose pivot is no more than `brink`.
+    fn dependent(mut self, brink: f64) -> Option<Dependent> {
+        let (row, pivot, rank) = self.up_to(brink)?;
+        let part = |j: usize| self.combination[(row, j)].abs();
+        let chosen = || (0..M).filter(|&j| self.chosen[j]);
+        let on = chosen().max_by(|&i, &j| part(i).total_cmp(&part(j)));
+        let others = on.map_or(0, |on| chosen().filter(|&j| j != on && part(j) > 1e-3 * part(on)).count());
+        Some(Dependent { row, on, others, left: pivot.max(0.0), rank })
     }
 }
 

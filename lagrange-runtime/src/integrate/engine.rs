@@ -431,38 +431,24 @@ where
         h: Sys::Scalar,
         next: &mut Option<M::MethodState>,
     ) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
-        // (A branch by a constant alone is not compiled where it is false, nor is what it calls.)
-        if Self::DEPENDENT && self.across[1] {
-            return self.attempt_across(system, h, next);
-        }
-        let (Some(memory), Some(next)) = (&mut self.memory, next) else {
-            return Err(Failure::NonFinite { t: self.state.t, h });
-        };
-        let (memory, next) = memory.of_step(next);
-        attempt(system, &self.method, &self.controller, memory, &self.state, h, next)
-    }
-
-    /// [`attempt`](Self::attempt) through a state at which constraints are dependent.
-    #[cold]
-    #[inline(never)]
-    fn attempt_across(
-        &mut self,
-        system: &Sys,
-        h: Sys::Scalar,
-        next: &mut Option<M::MethodState>,
-    ) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
-        let across = self.across(system, h);
         let (Some(memory), Some(next)) = (&mut self.memory, next) else {
             return Err(Failure::NonFinite { t: self.state.t, h });
         };
         let (memory, next) = memory.of_step(next);
         let from = &self.state;
-        // (Failures of any kind say that there are no states on both sides.)
-        let step = attempt_across(&across, &self.method, &self.controller, memory, from, h, next);
-        step.map_err(|failure| match system.restored(from) {
-            Ok(Some(Restored { constraint, .. })) => Failure::ConstraintDrift { t: from.t, h, constraint },
-            _ => failure,
-        })
+        // (A branch by a constant alone is not compiled where it is false, nor is what it calls.)
+        if Self::DEPENDENT && self.across[1] {
+            let across = Across { system, reference: self.reference, h };
+            // (Failures of any kind say that there are no states on both sides.)
+            let step = attempt_across(&across, &self.method, &self.controller, memory, from, h, next);
+            return step.map_err(|failure| match system.restored(from) {
+                Ok(Some(Restored { constraint, .. })) => {
+                    Failure::ConstraintDrift { t: from.t, h, constraint }
+                }
+                _ => failure,
+            });
+        }
+        attempt(system, &self.method, &self.controller, memory, from, h, next)
     }
 
     /// The system as a step of size `h` sees it that goes through a state at which constraints are dependent.
