@@ -12,7 +12,7 @@ import subprocess
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-SYSTEMS = ["pendulum_by_hand", "pendulum", "double_pendulum_by_hand", "double_pendulum", "arm", "bicycle", "truss"]
+SYSTEMS = ["pendulum_by_hand", "pendulum", "double_pendulum_by_hand", "double_pendulum", "arm", "floating_arm", "bicycle", "truss"]
 
 
 def run(method, controller, number=""):

@@ -106,6 +106,37 @@ macro_rules! arm {
     };
 }
 
+macro_rules! floating_arm {
+    () => {
+        lagrangian! {
+            /// Seven axes, along the links and across them in turn, on a body that nothing holds.
+            pub system Built {
+                const N = 7;
+                param m: [N] = [4.1, 4.0, 3.0, 2.7, 1.7, 1.8, 0.3], tau: [N] = [0, 0, 0, 0, 0, 0, 0];
+                param M = 30.0, J: [3] = [1.2, 1.5, 1.8], g = 9.81;
+                coord x: [3], R: rotation, q: [angle; N];
+                let base = frame(world, x, R);
+                let up = [0.16, 0.2, 0.2, 0.22, 0.18, 0.22, 0.08, 0.12];
+                let link: [N] = |i| frame(
+                    if i == 0 { base } else { link[i - 1] },
+                    if i == 0 { [0.1, 0.05, 0.3] } else { [0, 0, up[i]] },
+                    if i % 2 == 0 { rotation_z(q[i]) } else { rotation_y(q[i]) }
+                );
+                let centre: [N] = |i| frame(link[i], [0, if i % 2 == 0 { -0.03 } else { 0.03 }, 0.5 * up[i + 1]]);
+                let across: [N] = |i| m[i] * (up[i + 1] * up[i + 1] + 3 * 0.06 * 0.06) / 12;
+                T = body(M, J, base)
+                    + (0..N).map(|i| body(m[i], [across[i], across[i], 0.5 * m[i] * 0.06 * 0.06], centre[i])).sum();
+                V = g * (M * x[2] + (0..N).map(|i| m[i] * centre[i].origin()[2]).sum());
+                Q[q] = tau;
+            }
+        }
+        const START: ([f64; 13], [f64; 13]) = (
+            [0.0, 0.0, 0.0, 0.1, 0.2, -0.1, 0.3, 0.4, 0.1, 1.1, 0.2, 0.6, 0.5],
+            [0.1, 0.2, 0.0, 0.3, -0.4, 0.2, 0.1, -0.2, 0.3, 0.1, 0.4, -0.3, 0.2],
+        );
+    };
+}
+
 macro_rules! bicycle {
     () => {
         lagrangian! {

@@ -2,6 +2,9 @@
 //! their integrals of the motion.
 #![allow(clippy::excessive_precision)]
 
+#[path = "bodies/floating_arm.rs"]
+mod floating_arm;
+
 use lagrange_runtime::prelude::*;
 
 type Vec3 = Vector3<f64>;
