@@ -13,6 +13,7 @@ pub mod constraints;
 pub mod elimination;
 pub mod events;
 pub mod formed;
+mod gauge;
 pub mod quantities;
 pub mod responses;
 pub mod restriction;
@@ -69,6 +70,7 @@ impl Equations {
 /// Derives the equations. What only derivation finds (singular inertia, a D that is no quadratic form) is recorded.
 pub fn equations(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Equations> {
     let formed = formed(g, model, errors)?;
+    gauge::gauge(g, model, &formed, errors);
     let solved = solved(g, model, &formed, errors)?;
     let quantities = quantities(g, model, &formed, &solved);
     let facts = facts(g, model, &formed, &solved, &quantities);

@@ -64,7 +64,7 @@ fn headers() {
     refused("pub system 3 {}", "expected the name");
     refused("pub sytem Name { coord x; T = dot(x) * dot(x); V = 0; }", "expected `system Name");
     refused("pub system Name", "expected `{ … }`");
-    refused("pub system S { coord x; }", "cannot be called `S`");
+    refused("pub system S { coord x; T = dot(x).powi(2); V = 0; }", "cannot be called `S`");
     refused("pub system r#type { coord x; L = dot(x).powi(2); }", "keyword");
     refused("pub system Name {}", "empty");
     let deep = format!(

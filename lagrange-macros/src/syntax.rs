@@ -379,8 +379,9 @@ fn type_name(input: ParseStream, errors: &mut Errors) -> syn::Result<Ident> {
         _ if words::is_primitive(&text) => "this is a type of Rust",
         _ => return Ok(name),
     };
-    let message = format!("a system cannot be called `{name}`: {reason}\nhelp: choose another name");
-    Err(syn::Error::new(name.span(), message))
+    // What follows is read as that of a system with another name.
+    errors.push(&name, format!("a system cannot be called `{name}`: {reason}\nhelp: choose another name"));
+    Ok(Ident::new(&format!("Named{}", text.to_uppercase()), name.span()))
 }
 
 const COMMA: &str = "a statement ends in `;`\nhelp: write `;` instead of `,`";

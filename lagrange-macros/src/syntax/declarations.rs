@@ -2,7 +2,8 @@
 
 use super::attributes;
 use super::{
-    Declaration, KINDS, Kind, START, begins_statement, is_punct, kept, skip_declaration, spelling, words,
+    Declaration, KINDS, Kind, START, begins_statement, is_punct, kept, skip, skip_declaration, spelling,
+    words,
 };
 use crate::diagnostics::{Errors, closest, plain};
 use proc_macro2::{Delimiter, Ident, Literal, TokenStream, TokenTree};
@@ -150,6 +151,13 @@ pub fn declaration(
         return Ok(Declaration { attributes, name, kind, length, value, input: held });
     }
     if input.peek(Token![:]) && !input.peek2(Token![=]) {
+        if let ("const" | "let" | "observe", Some(value)) = (word, value_behind_colon(input)) {
+            let message =
+                format!("a value follows `=`, not `:`\nhelp: write `{word} {name} = {};`", plain(&value));
+            errors.push(input.parse::<Token![:]>()?, message);
+            skip(input)?;
+            return Ok(Declaration { attributes, name, kind, length, value: Some(value), input: held });
+        }
         input.parse::<Token![:]>()?;
         if input.peek(syn::token::Bracket) {
             let inside;
@@ -195,6 +203,22 @@ pub fn declaration(
         None
     };
     Ok(Declaration { attributes, name, kind, length, value, input: held })
+}
+
+/// The value of `observe y: x;`, all that follows the colon, unless it is a type, a length, or one with a value.
+fn value_behind_colon(input: ParseStream) -> Option<Expr> {
+    let rest: Vec<TokenTree> = input.fork().parse::<TokenStream>().ok()?.into_iter().collect();
+    let end = rest.iter().position(|token| is_punct(token, ';')).unwrap_or(rest.len());
+    let is_kind = |word: &str| KINDS.iter().any(|(kind, _)| *kind == word);
+    let is_type = |token: &TokenTree| match token {
+        TokenTree::Group(group) => !group.stream().into_iter().any(|token| is_punct(&token, ',')),
+        token => words::is_type(&token.to_string()) || is_kind(&token.to_string()),
+    };
+    match rest.get(1..end)? {
+        [only] if is_type(only) => None,
+        value if value.iter().any(|token| is_punct(token, '=')) => None,
+        value => syn::parse2(value.iter().cloned().collect()).ok(),
+    }
 }
 
 /// Refuses what stands between `param` and its names: `param: m, k;`, `param (m, k);`.
@@ -253,17 +277,50 @@ fn without_unit(value: Expr, errors: &mut Errors) -> Expr {
     }
 }
 
-/// Other names for the kind of a rotation.
-const ATTITUDES: [&str; 5] = ["attitude", "orientation", "quaternion", "Quaternion", "Rotation3"];
+/// Units and other words for kinds of coordinates.
+const OTHER_KINDS: [(&str, &str); 34] = [
+    ("m", "length"),
+    ("cm", "length"),
+    ("mm", "length"),
+    ("um", "length"),
+    ("km", "length"),
+    ("meter", "length"),
+    ("meters", "length"),
+    ("metre", "length"),
+    ("metres", "length"),
+    ("millimeter", "length"),
+    ("millimetre", "length"),
+    ("position", "length"),
+    ("distance", "length"),
+    ("displacement", "length"),
+    ("translation", "length"),
+    ("linear", "length"),
+    ("prismatic", "length"),
+    ("rad", "angle"),
+    ("radian", "angle"),
+    ("radians", "angle"),
+    ("deg", "angle"),
+    ("degree", "angle"),
+    ("degrees", "angle"),
+    ("rev", "angle"),
+    ("turn", "angle"),
+    ("angular", "angle"),
+    ("revolute", "angle"),
+    ("attitude", "rotation"),
+    ("orientation", "rotation"),
+    ("quaternion", "rotation"),
+    ("Quaternion", "rotation"),
+    ("Rotation3", "rotation"),
+    ("unit_vector", "direction"),
+    ("axis", "direction"),
+];
 
 /// The tokens after the colon of `name: kind` and `name: [kind; N]`, in the statement that begins with this word.
 fn kind_of(at: &impl ToTokens, help: &str, word: &str, errors: &mut Errors) -> Kind {
     let text = at.to_token_stream().to_string();
     let known = KINDS.into_iter().find(|(kind, _)| *kind == text);
-    let meant = match ATTITUDES.contains(&text.as_str()) {
-        true => Some("rotation"),
-        false => closest(&text, KINDS.map(|(kind, _)| kind)),
-    };
+    let other = OTHER_KINDS.into_iter().find(|(other, _)| *other == text).map(|(_, meant)| meant);
+    let meant = other.or_else(|| closest(&text, KINDS.map(|(kind, _)| kind)));
     let message = match (known, meant) {
         (Some((_, kind)), _) if word == "coord" => return kind,
         (Some((_, Kind::Rotation)), _) if word == "param" => return Kind::Rotation,
@@ -271,12 +328,12 @@ fn kind_of(at: &impl ToTokens, help: &str, word: &str, errors: &mut Errors) -> K
             "an input is a number\nhelp: a rotation that changes is made of angles, `rotation_z(psi) * rotation_x(theta)`; one that does not is a parameter, `param R: rotation`".into()
         }
         (Some(_), _) => format!("only coordinates have a kind\nhelp: {help}"),
+        (None, Some(meant)) if word == "coord" => format!(
+            "`{text}` is no kind of coordinate; did you mean `{meant}`?\nhelp: kinds are `angle`, `length`, `rotation` and `direction`; a number has no unit: all are in units that fit together, such as kg, m, s and rad"
+        ),
         (None, _) if spelling::UNITS.contains(&text.as_str()) => {
             format!("a number has no unit\nhelp: remove `: {text}`, {UNITS}")
         }
-        (None, Some(meant)) if word == "coord" => format!(
-            "`{text}` is no kind of coordinate; did you mean `{meant}`?\nhelp: kinds are `angle`, `length`, `rotation` and `direction`"
-        ),
         _ => format!("a type has no place here: every number is of the system's own type\nhelp: {help}"),
     };
     errors.push(at, message);

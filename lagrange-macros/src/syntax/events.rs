@@ -58,28 +58,34 @@ pub fn event(input: ParseStream, attributes: Vec<Attribute>, errors: &mut Errors
         }
         option(input, &mut event, &mut directed, errors)?;
     }
-    event.value = function(&event.name, value, event.terminal, errors);
+    event.value = function(&event, directed, value, errors);
     Ok(event)
 }
 
-/// The function of an event, unless a comparison stands in its place.
-fn function(name: &Ident, value: Expr, terminal: bool, errors: &mut Errors) -> Option<Expr> {
+/// The function of an event with these options, unless a comparison stands in its place.
+fn function(event: &Event, directed: Option<Direction>, value: Expr, errors: &mut Errors) -> Option<Expr> {
     let Expr::Binary(comparison) = &value else { return Some(value) };
-    let direction = match comparison.op {
-        BinOp::Eq(_) | BinOp::Ne(_) => "",
-        BinOp::Lt(_) | BinOp::Le(_) => ", falling",
-        BinOp::Gt(_) | BinOp::Ge(_) => ", rising",
+    let meant = match comparison.op {
+        BinOp::Eq(_) | BinOp::Ne(_) => Direction::Either,
+        BinOp::Lt(_) | BinOp::Le(_) => Direction::Falling,
+        BinOp::Gt(_) | BinOp::Ge(_) => Direction::Rising,
         _ => return Some(value),
     };
+    let direction = match directed.unwrap_or(meant) {
+        Direction::Either => "",
+        Direction::Falling => ", falling",
+        Direction::Rising => ", rising",
+    };
+    let terminal = if event.terminal { ", terminal" } else { "" };
     let (left, right) = (plain(&comparison.left), plain(&comparison.right));
     let difference = match &*comparison.right {
         Expr::Lit(_) if right.trim_end_matches('0').trim_end_matches('.').is_empty() => left,
         Expr::Binary(_) => format!("{left} - ({right})"),
         _ => format!("{left} - {right}"),
     };
-    let terminal = if terminal { ", terminal" } else { "" };
     let message = format!(
-        "an event is where a function passes zero, and this is a condition\nhelp: write `event {name}: {difference}{direction}{terminal};`"
+        "an event is where a function passes zero, and this is a condition\nhelp: write `event {}: {difference}{direction}{terminal};`",
+        event.name
     );
     errors.push(comparison.op, message);
     None

@@ -86,6 +86,10 @@ pub fn name(input: ParseStream, expected: &str, errors: &mut Errors) -> syn::Res
 /// Types of other languages, which stand before names.
 const FOREIGN_TYPES: [&str; 8] = ["Real", "Integer", "double", "float", "int", "f64", "f32", "Number"];
 
+pub fn is_type(word: &str) -> bool {
+    is_primitive(word) || FOREIGN_TYPES.contains(&word)
+}
+
 /// Refuses and skips a type before a name: `Real m`.
 pub fn no_type_before(input: ParseStream, errors: &mut Errors) -> syn::Result<()> {
     let ahead = input.fork();

@@ -60,11 +60,17 @@ impl Elaborator<'_> {
             Some(entry) => {
                 let of_time = matches!(call.args.first(), Some(Expr::Path(t)) if t.path.is_ident("t"));
                 let is_index = call.args.len() == 1 && call.args.first().is_some_and(is_literal);
+                let of_time_is = format!(
+                    "a function of time is a formula of `t`, `fn {text}(t) = …;`, or has data, `extern {text}: Curve(t);`"
+                );
                 let help = match entry {
-                    Entry::Parameter(_) if of_time => {
+                    Entry::Parameter(i) if of_time && self.found.parameters[i].input => {
                         format!(
-                            "a parameter is constant; a function of time is `fn {text}(t) = …;`, or `extern fn {text}(t);`"
+                            "an input is a value that is held between steps: write `{text}`; {of_time_is}"
                         )
+                    }
+                    Entry::Parameter(_) if of_time => {
+                        format!("a parameter is constant: write `{text}`; {of_time_is}")
                     }
                     Entry::Parameter(_) | Entry::Coordinate { .. } | Entry::State { .. } | Entry::Let(_)
                         if is_index =>
@@ -229,7 +235,14 @@ impl Elaborator<'_> {
             return Err(self.errors.push(call, message));
         }
         if self.graph.depends(&[value], |s| matches!(s, Symbol::Velocity(_) | Symbol::Rate(_))) {
-            let message = "a second time derivative: accelerations follow from the energies, they are not part of them\nhelp: `dot` applies to coordinates and positions";
+            let message = match self.observing {
+                true => {
+                    "a second time derivative: accelerations are known only when the equations are solved, and in no output or event\nhelp: `system.accel_at(&state)` gives those of all coordinates, of a running stepper `stepper.system().accel_at(stepper.state())`; remove this `dot`, or this statement"
+                }
+                false => {
+                    "a second time derivative: accelerations follow from the energies, they are not part of them\nhelp: `dot` applies to coordinates and positions"
+                }
+            };
             return Err(self.errors.push(call, message));
         }
         if self.graph.depends(&[value], |s| matches!(s, Symbol::Multiplier(_) | Symbol::Reaction(_))) {

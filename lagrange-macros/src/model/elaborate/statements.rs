@@ -120,6 +120,14 @@ impl Elaborator<'_> {
                     if self.is_derived() {
                         return self.define(&d.name, Entry::Let(val));
                     }
+                    if let Some(input) = self.an_input(&numbers) {
+                        let message = format!(
+                            "`coord {0} = …` prescribes a motion, and `{input}` is an input, which is held between steps and jumps there\nhelp: a drive that follows a command has a stiffness, `coord {0}; V = 0.5 * k * ({0} - {input}).powi(2);`, and a damper in `D`; a motion that is known beforehand is a function of time, `coord {0} = a * sin(w * t);`, or `extern path: Curve(t); coord {0} = path(t);`; an ideal drive is `coord {0}; constraint drive: {0} == {input};`, for which each new command is followed by `consistent`",
+                            d.name
+                        );
+                        self.errors.push(expression, message);
+                        return self.define(&d.name, Entry::Broken);
+                    }
                     let message = format!(
                         "`coord {0} = …` prescribes a motion, and this does not depend on time\nhelp: where a motion starts is said when it is integrated, `State::new(t, [q, …], [velocity, …])`; a constant is a `param`, or `let {0} = …;`",
                         d.name
@@ -132,6 +140,15 @@ impl Elaborator<'_> {
             }
         };
         self.define(&d.name, entry);
+    }
+
+    /// The name of an input that these depend on.
+    fn an_input(&self, values: &[Value]) -> Option<String> {
+        let symbols = self.graph.symbols(values);
+        let is_used = |p: &&Parameter| {
+            p.input && symbols.iter().any(|s| matches!(s, Symbol::Parameter(i) if p.numbers().contains(i)))
+        };
+        self.found.parameters.iter().find(is_used).map(|p| p.name.to_string())
     }
 
     /// Bindings for a prescribed motion. It is not what an equal expression elsewhere is written with: the reaction is

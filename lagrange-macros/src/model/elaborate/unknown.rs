@@ -40,20 +40,38 @@ const FOREIGN: &[(&[&str], &str)] = &[
     (&["csc", "cosec"], "write `1 / sin(x)`"),
     (&["cot", "ctg", "cotan"], "write `1 / tan(x)`"),
     (&["fabs", "absolute"], "the absolute value is `abs(x)`"),
-    (
-        &["sat", "saturate", "saturation", "clip", "limit", "bound"],
-        "a number is kept within limits by `x.clamp(low, high)`",
-    ),
-    (&["deadzone", "dead_zone", "deadband"], "a dead zone of half-width w is `x - x.clamp(-w, w)`"),
-    (
-        &["interp", "interp1", "lookup", "lookup_table", "table", "spline"],
-        "measured data are a function with data: `extern name: Curve(x);`, called as `name(x)`",
-    ),
-    (
-        &["delay", "transport_delay", "deadtime"],
-        "a lag is a state of first order, `state y; rate(y) = (u - y) / tau;`; a pure delay belongs into a sampled control law, which keeps old values",
-    ),
     (&["heaviside", "Heaviside", "step", "Piecewise", "piecewise", "where", "ifelse", "select"], CHOICE),
+    (
+        &["sat", "saturate", "saturation", "limiter", "limit", "bound", "clip", "constrain"],
+        "a number between bounds is `clamp(u, low, high)`, or `u.clamp(low, high)`; any other choice is `if u > high { … } else { … }`",
+    ),
+    (
+        &["deadzone", "dead_zone", "deadband", "dead_band"],
+        "outside a dead zone from -d to d it is `u - clamp(u, -d, d)`",
+    ),
+    (
+        &[
+            "interp1",
+            "interp",
+            "interp2",
+            "interpolate",
+            "lookup",
+            "lookup_table",
+            "lut",
+            "table",
+            "pchip",
+            "spline",
+        ],
+        "measured data are a function with data, `extern name: Curve(x);`, in a formula `name(x)`; those of two variables `extern name: Surface(x, y);`",
+    ),
+    (
+        &["delay", "Delay", "transport_delay", "deadtime", "dead_time", "unit_delay", "memory"],
+        "the equations have no memory: a delay by whole periods is a queue in the sampled control law, `stepper.every(period, …)`; one in the system is a state with its rate, in Padé's approximation `state p; rate(p) = 2 * (u - p) / delay; let y = 2 * p - u;`",
+    ),
+    (
+        &["integral", "integrate", "Integral", "cumtrapz"],
+        "an integral over time is a state with its rate, `state z; rate(z) = …;`",
+    ),
     (&["floor", "ceil", "round", "trunc", "fract", "modulo", "fmod", "rem", "rem_euclid"], PERIODIC),
     (&["not"], "write `!(x < 0)`"),
     (&["and"], "conditions are joined by `&&`, `x > 0 && t < 1`"),
