@@ -12,6 +12,8 @@ mod chain_on_a_cart;
 mod four_bar;
 #[path = "../examples/motor.rs"]
 mod motor;
+#[path = "../examples/quadrotor.rs"]
+mod quadrotor;
 #[path = "../examples/smaller_models.rs"]
 mod smaller_models;
 #[path = "../examples/spherical_pendulum.rs"]
@@ -56,6 +58,11 @@ fn a_wind_turbine_follows_a_measured_wind() {
 #[test]
 fn a_motor_lifts_a_pendulum() {
     motor::main().unwrap();
+}
+
+#[test]
+fn a_quadrotor_thrown_upside_down_takes_its_load_along() {
+    quadrotor::main().unwrap();
 }
 
 #[test]
