@@ -19,6 +19,7 @@ pub mod generate;
 mod recurrences;
 mod reference;
 mod rounding;
+mod scaled;
 
 use crate::compile::{reduced, system as system_of};
 use crate::diagnostics::Errors;

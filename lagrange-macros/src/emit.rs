@@ -19,7 +19,7 @@ mod states;
 mod taylor;
 
 use crate::equations::Derived;
-use crate::graph::Value;
+use crate::graph::{Number, Value};
 use crate::model::frames::Motion;
 use crate::model::{External, Model, Parameter, indexed};
 use crate::program::lower::{prepared, program};
@@ -625,6 +625,26 @@ impl Emitter<'_> {
         markers.collect()
     }
 
+    /// Tokens of the runtime's `Facts` about changes of scale.
+    fn scalings(&self) -> TokenStream {
+        let Derived { model, equations, .. } = self.d;
+        let (runtime, labels) = (&model.runtime, model.parameter_labels());
+        let whole = |k: &Number| k.integer().and_then(|k| i32::try_from(k).ok()).unwrap_or_default();
+        let groups = equations.scalings.groups.iter().map(|group| {
+            let powers = group.iter().map(|(i, k)| (&labels[*i], whole(k)));
+            let powers = powers.map(|(name, power)| quote!((#name, #power)));
+            quote!(&[#(#powers),*])
+        });
+        let similar = equations.scalings.similar.iter().map(|exponents| {
+            let (time, coordinates) = (whole(&exponents[0]), exponents[1..].iter().map(whole));
+            quote!(#runtime::Similarity { time: #time, coordinates: &[#(#coordinates),*] })
+        });
+        quote! {
+            dimensionless_groups: &[#(#groups),*],
+            similarities: &[#(#similar),*],
+        }
+    }
+
     fn facts(&self) -> TokenStream {
         let Model { name, runtime, .. } = &self.d.model;
         let text = name.to_string();
@@ -650,6 +670,7 @@ impl Emitter<'_> {
         let (additions, multiplications, divisions) = (o.additions, o.multiplications, o.divisions);
         let (sin_cos, functions) = (o.sin_cos, o.functions);
         let constraints = self.constraint_facts();
+        let scalings = self.scalings();
         quote! {
             #runtime::Facts {
                 name: #text,
@@ -668,6 +689,7 @@ impl Emitter<'_> {
                 linear: #linear,
                 analytic: #analytic,
                 blocks: &[#(#blocks),*],
+                #scalings
                 #constraints
                 operations: #runtime::Operations {
                     additions: #additions,

@@ -18,6 +18,7 @@ pub mod quantities;
 pub mod responses;
 pub mod restriction;
 pub mod routhian;
+pub mod scaling;
 pub mod series;
 pub mod simplified;
 pub mod solve;
@@ -34,6 +35,7 @@ use events::{EventFunction, events};
 use formed::{Formed, formed};
 use quantities::{Quantities, quantities};
 use responses::{Responses, responses};
+use scaling::{Scalings, scalings};
 use series::{Series, series};
 use solved::{Solved, solved};
 use structure::{Facts, facts};
@@ -58,6 +60,8 @@ pub struct Equations {
     pub events: Vec<Vec<EventFunction>>,
     /// First integrals of rotations.
     pub symmetries: Symmetries,
+    /// Changes of scale that leave the equations as they are.
+    pub scalings: Scalings,
 }
 
 impl Equations {
@@ -82,7 +86,8 @@ pub fn equations(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Eq
     };
     let events = events(g, model, &formed, &solved);
     let symmetries = symmetries(g, model, &formed);
-    Some(Equations { formed, solved, quantities, facts, responses, series, events, symmetries })
+    let scalings = scalings(g, model, &formed);
+    Some(Equations { formed, solved, quantities, facts, responses, series, events, symmetries, scalings })
 }
 
 /// The equations of a model beside it.

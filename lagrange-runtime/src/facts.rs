@@ -42,6 +42,12 @@ pub struct Facts {
     pub analytic: bool,
     /// Groups of coordinates that move independently of each other.
     pub blocks: &'static [&'static [usize]],
+    /// Dimensionless groups of the parameters: products of powers, by name and exponent. Systems that agree in all of
+    /// them have the same motions but for units, so a study has to vary these alone (Buckingham, Phys. Rev. 4 (1914)
+    /// 345). Numbers in the text of the system count as dimensionless.
+    pub dimensionless_groups: &'static [&'static [(&'static str, i32)]],
+    /// Changes of scale that take motions to motions of the same system.
+    pub similarities: &'static [Similarity],
     /// Its constraints, in the order of the multipliers.
     pub constraints: &'static [Constraint],
     /// Dependence of constraints on others, if there is one: then multipliers are those of least norm.
@@ -93,11 +99,25 @@ impl Facts {
         linear: false,
         analytic: false,
         blocks: &[],
+        dimensionless_groups: &[],
+        similarities: &[],
         constraints: &[],
         redundancy: None,
         prescribed: &[],
         operations: Operations { additions: 0, multiplications: 0, divisions: 0, sin_cos: 0, functions: 0 },
     };
+}
+
+/// A change of scale that takes each motion to another one, with the same parameters: time by λ^`time`, and coordinate
+/// i by a power of λ, as [`State::scaled`](crate::State::scaled) does. Kepler's third law is one, time 3 and distance
+/// 2 (Landau and Lifshitz, *Mechanics*, 3rd ed. 1976, §10).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct Similarity {
+    /// Exponent of time.
+    pub time: i32,
+    /// Exponents of the coordinates.
+    pub coordinates: &'static [i32],
 }
 
 /// A constant component of the angular momentum of a rotation that is a coordinate: a first integral by Noether's

@@ -1,8 +1,8 @@
 //! State of a system: `State` (t, q, q̇), and differences and rates of states, `Tangent`.
 
 use crate::attitude;
-use crate::facts::{Constraint, CoordinateKind};
-use crate::scalar::{DoubleDouble, Real, Scalar};
+use crate::facts::{Constraint, CoordinateKind, Similarity};
+use crate::scalar::{DoubleDouble, Functions, Real, Scalar};
 use nalgebra::{SMatrix, SVector, UnitQuaternion, Vector3};
 
 /// A state `(t, q, q̇)` of a system with `N` coordinates. Momenta are a private matter of the methods that use them.
@@ -126,6 +126,44 @@ impl<S: Real, const N: usize> State<S, N> {
 }
 
 impl<S: Scalar, const N: usize> State<S, N> {
+    /// The state of a similar motion: time as t λ^b, with `by.time` = b, and coordinates as qᵢ λ^aᵢ, with velocities
+    /// q̇ᵢ λ^(aᵢ − b).
+    ///
+    /// # Hypotheses
+    /// - λ > 0; else the result is NaN where an exponent is odd.
+    /// - `by` is one of the [`Facts::similarities`](crate::traits::Facts) of the system.
+    ///
+    /// ```
+    /// use lagrange_runtime::prelude::*;
+    /// lagrangian! {
+    ///     pub system Kepler {
+    ///         param mu;
+    ///         coord r: length, phi: angle;
+    ///         T = 0.5 * (dot(r).powi(2) + (r * dot(phi)).powi(2));
+    ///         V = -mu / r;
+    ///     }
+    /// }
+    /// let (kepler, start) = (Kepler::new(1.0), State::new(0.0, [1.0, 0.0], [0.0, 1.2]));
+    /// let end = |start, time| {
+    ///     integrate(&kepler, Dop853, PiController::tolerance(1e-12), start).until(time).final_state()
+    /// };
+    /// // Kepler's third law: an orbit four times as large takes eight times as long.
+    /// let [third] = <Kepler as Lagrangian<2>>::FACTS.similarities else { panic!() };
+    /// assert_eq!((third.time, third.coordinates), (3, &[2, 0][..]));
+    /// let (small, large) = (end(start, 3.0)?, end(start.scaled(third, 2.0), 24.0)?);
+    /// assert!((large.q - small.scaled(third, 2.0).q).amax() < 1e-9);
+    /// # Ok::<(), Failure>(())
+    /// ```
+    pub fn scaled(mut self, by: &Similarity, lambda: S) -> Self {
+        let factor = |k: i32| Functions::powf(lambda, S::from_f64(k.into()));
+        self.t *= factor(by.time);
+        for (i, k) in by.coordinates.iter().enumerate().take(N) {
+            self.q[i] *= factor(*k);
+            self.qd[i] *= factor(*k - by.time);
+        }
+        self
+    }
+
     /// The parameters of the attitude whose first coordinate is this one.
     pub(crate) fn parameters(&self, first: usize) -> Vector3<S> {
         part(&self.q, first)

@@ -3,10 +3,11 @@
 use super::mathml::{Writer, identifier, velocity};
 use crate::equations::constraints::{ConstraintKind, Redundancy, Rows};
 use crate::equations::restriction::invariant;
+use crate::equations::scaling::Scalings;
 use crate::equations::solve::entry;
 use crate::equations::{Derived, Equations};
 use crate::graph::normal::EXPANSIONS;
-use crate::graph::{Graph, Symbol, Value};
+use crate::graph::{Graph, Number, Symbol, Value};
 use crate::model::submodel::{Made, Origin};
 use crate::model::{Attitude, Coordinate, Model, NamedEvent, Reduction, indexed};
 use crate::syntax::Direction;
@@ -378,6 +379,7 @@ fn facts(d: &Derived, writer: &Writer) -> Vec<String> {
         let blocks: Vec<String> = f.blocks.iter().map(|block| format!("{{{}}}", listed(block))).collect();
         lines.push(format!("- Independent blocks: {}.", blocks.join(", ")));
     }
+    lines.extend(scales(d));
     let o = &e.solved.operations;
     let counts = [
         (o.additions, "addition"),
@@ -393,6 +395,92 @@ fn facts(d: &Derived, writer: &Writer) -> Vec<String> {
         .collect();
     lines.push(format!("- Cost of `accel`: {}.", counts.join(", ")));
     lines
+}
+
+/// Groups of parameters, units that they give, and scalings of motions.
+fn scales(d: &Derived) -> Vec<String> {
+    let Derived { model, equations: Equations { scalings, .. }, .. } = d;
+    let labels = model.parameter_labels();
+    let Scalings { groups, units, similar } = scalings;
+    let mut lines = Vec::new();
+    if groups.len() <= MAX_SHOWN_GROUPS && !groups.is_empty() {
+        let groups: Vec<String> =
+            groups.iter().map(|group| format!("`{}`", powers(&labels, group))).collect();
+        lines.push(format!("- Dimensionless groups of parameters: {}.", groups.join(", ")));
+    }
+    if groups.len() > MAX_SHOWN_GROUPS {
+        lines.push(format!("- Dimensionless groups of parameters: {} of {}.", groups.len(), labels.len()));
+    }
+    let shown = units.iter().take(1 + MAX_SHOWN_COORDINATES).enumerate();
+    let variables: Vec<String> = shown
+        .filter_map(|(i, unit)| {
+            let unit = unit.as_ref().filter(|unit| !unit.is_empty())?;
+            let variable = if i == 0 { "t".into() } else { model.coordinates[i - 1].label() };
+            Some(format!("`{}`", over(&labels, variable, unit)))
+        })
+        .collect();
+    if !variables.is_empty() {
+        lines.push(format!("- Dimensionless variables: {}.", variables.join(", ")));
+    }
+    if similar.len() <= MAX_SHOWN_GROUPS && model.coordinates.len() <= MAX_SHOWN_COORDINATES {
+        lines.extend(similar.iter().map(|exponents| {
+            let names = ["t".into()].into_iter().chain(model.coordinates.iter().map(Coordinate::label));
+            let scaled = names.zip(exponents).filter(|(_, k)| !k.is_zero());
+            let scaled: Vec<String> = scaled.map(|(name, k)| format!("`{name}` × λ{}", power(*k))).collect();
+            format!("- Similar motions: {}.", scaled.join(", "))
+        }));
+    }
+    lines
+}
+
+/// More groups, or similarities, are counted and not shown.
+const MAX_SHOWN_GROUPS: usize = 8;
+
+/// A variable over its unit: `t √(g / l)`, `r / l`.
+fn over(labels: &[String], variable: String, unit: &[(usize, Number)]) -> String {
+    let inverse = |k: i64| unit.iter().map(|(i, x)| (*i, x.mul((-k).into()))).collect::<Vec<_>>();
+    let is_whole = |k: i64| inverse(k).iter().all(|(_, x)| x.integer().is_some());
+    if !is_whole(1) && is_whole(2) {
+        return match &inverse(2)[..] {
+            [(i, Number::ONE)] => format!("{variable} √{}", labels[*i]),
+            square => format!("{variable} √({})", powers(labels, square)),
+        };
+    }
+    let all = [&[(labels.len(), Number::ONE)], &inverse(1)[..]].concat();
+    powers(&[labels, &[variable]].concat(), &all)
+}
+
+/// `k l² / (m g)`
+fn powers(labels: &[String], monomial: &[(usize, Number)]) -> String {
+    let side = |above: bool| -> Vec<String> {
+        let factors = monomial.iter().filter(|(_, k)| k.is_negative() != above);
+        factors.map(|(i, k)| format!("{}{}", labels[*i], power(k.abs()))).collect()
+    };
+    let (above, below) = (side(true), side(false));
+    let numerator = if above.is_empty() { "1".into() } else { above.join(" ") };
+    match &below[..] {
+        [] => numerator,
+        [one] => format!("{numerator} / {one}"),
+        all => format!("{numerator} / ({})", all.join(" ")),
+    }
+}
+
+/// The exponent, as it is written.
+fn power(k: Number) -> String {
+    match k {
+        Number::ONE => String::new(),
+        Number::Ratio(n, 1) => superscript(n),
+        Number::Ratio(n, d) => format!("^({n}/{d})"),
+        Number::Float(..) => format!("^{}", k.to_f64()),
+    }
+}
+
+fn superscript(n: i64) -> String {
+    let digit = |c: char| match c.to_digit(10) {
+        None => '⁻',
+        Some(digit) => ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'][digit as usize],
+    };
+    n.to_string().chars().map(digit).collect()
 }
 
 /// The coordinates in their order; of many, those of one name by the first and the last.
