@@ -12,7 +12,7 @@ import subprocess
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-SYSTEMS = ["pendulum_by_hand", "pendulum", "double_pendulum_by_hand", "double_pendulum", "arm", "floating_arm", "bicycle", "truss"]
+SYSTEMS = ["pendulum_by_hand", "pendulum", "double_pendulum_by_hand", "double_pendulum", "arm", "floating_arm", "ball_chain", "bicycle", "truss"]
 
 
 def run(method, controller, number=""):
@@ -30,7 +30,7 @@ RUNS = {
     "Dop853": DOP853,
     "Dop853, Radau5, Taylor": DOP853
     + run("Radau5::default()", "PiController::tolerance(1e-9)")
-    + run("Taylor::for_tolerance(1e-12)", "TaylorController::tolerance(1e-12)"),
+    + run("Taylor", "TaylorController::tolerance(1e-12)"),
     "method_for Accuracy": chosen("goal::Accuracy(1e-9)"),
     "method_for LongTime": chosen("goal::LongTime(1e-3)"),
     "method_for Stiff": chosen("goal::Stiff(1e-9)"),

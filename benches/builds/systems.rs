@@ -130,10 +130,34 @@ macro_rules! floating_arm {
                 Q[q] = tau;
             }
         }
+        #[allow(dead_code)]
         const START: ([f64; 13], [f64; 13]) = (
             [0.0, 0.0, 0.0, 0.1, 0.2, -0.1, 0.3, 0.4, 0.1, 1.1, 0.2, 0.6, 0.5],
             [0.1, 0.2, 0.0, 0.3, -0.4, 0.2, 0.1, -0.2, 0.3, 0.1, 0.4, -0.3, 0.2],
         );
+    };
+}
+
+macro_rules! ball_chain {
+    () => {
+        lagrangian! {
+            /// Eight bodies on ball joints.
+            pub system Built {
+                const N = 8;
+                param g = 9.81;
+                coord R: [rotation; N];
+                let link: [N] = |i| frame(
+                    if i == 0 { world } else { link[i - 1] },
+                    if i == 0 { [0, 0, 0] } else { [0, 0, -1] },
+                    R[i]
+                );
+                let bob: [N] = |i| frame(link[i], [0.01, 0.02, -0.5]);
+                T = (0..N).map(|i| body(1, [0.1, 0.11, 0.01], bob[i])).sum();
+                V = (0..N).map(|i| g * bob[i].origin()[2]).sum();
+            }
+        }
+        #[allow(dead_code)]
+        const START: ([f64; 24], [f64; 24]) = ([0.1; 24], [0.2; 24]);
     };
 }
 

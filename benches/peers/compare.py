@@ -7,7 +7,8 @@ measured anew in every round. Printed are the medians over the rounds of (its ti
 and the same for Verner9.
 
 With `--series` instead: our Taylor method against heyoka's, the ratio of times to the error that heyoka reaches at a
-tolerance; with and without its `fast_math`. heyoka compiles for the processor it runs on; to let rustc do so too, set
+tolerance; with and without its `fast_math`. The free body is Euler's equations with a quaternion for heyoka.
+`--only SYSTEM` measures one. heyoka compiles for the processor it runs on; to let rustc do so too, set
 RUSTFLAGS="-C target-cpu=native".
 
 With `--chain`: a step of n unit links at 1e-15, the ratio of times to heyoka's, by its two ways to compile; ours are longer
@@ -36,6 +37,7 @@ parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.R
 parser.add_argument("rounds", nargs="?", type=int, default=5, help="of which medians are taken (5)")
 what = parser.add_mutually_exclusive_group()
 what.add_argument("--series", action="store_true", help="our Taylor method against heyoka's")
+parser.add_argument("--only", help="of --series one system, such as 'Free body'")
 what.add_argument("--chain", nargs="*", type=int, metavar="LINKS", help="steps of chains")
 what.add_argument("--lanes", action="store_true", help="lanes against batches")
 ASKED = parser.parse_args()
@@ -74,13 +76,42 @@ def energies(name, q, qd, sin, cos):
     return 0.5 * m1 * first + 0.5 * m2 * second, -(m1 + m2) * g * l1 * cos(a) - m2 * g * l2 * cos(b)
 
 
+def with_quaternion(start):
+    """Euler's equations with a quaternion, started at the attitude 1, and the numbers that are compared: matrix and angular velocity."""
+    a, b, c = 1.0, 2.0, 3.0
+    names = ["w", "x", "y", "z", "o0", "o1", "o2"]
+    w, x, y, z, o0, o1, o2 = variables = heyoka.make_vars(*names)
+    rates = [
+        -0.5 * (x * o0 + y * o1 + z * o2),
+        0.5 * (w * o0 + y * o2 - z * o1),
+        0.5 * (w * o1 + z * o0 - x * o2),
+        0.5 * (w * o2 + x * o1 - y * o0),
+        (b - c) / a * o1 * o2,
+        (c - a) / b * o2 * o0,
+        (a - b) / c * o0 * o1,
+    ]
+
+    def compared(state):
+        w, x, y, z = state[:4]
+        rows = [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)]
+        rows += [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)]
+        rows += [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)]
+        return numpy.array([*rows, *state[4:]])
+
+    return list(zip(variables, rates)), [1.0, 0.0, 0.0, 0.0, *start[9:]], compared
+
+
 def with_heyoka(name, start, fast_math=False):
     """A function of end and tolerance that gives the state at the end and the seconds."""
-    n = len(start) // 2
-    q, qd = heyoka.make_vars(*[f"q{i}" for i in range(n)]), heyoka.make_vars(*[f"v{i}" for i in range(n)])
-    q, qd = (q, qd) if n > 1 else ([q], [qd])
-    T, V = energies(name, q, qd, heyoka.sin, heyoka.cos)
-    equations = heyoka.lagrangian(T - V, q, qd)
+    compared = numpy.copy
+    if name == "Free body":
+        equations, start, compared = with_quaternion(start)
+    else:
+        n = len(start) // 2
+        q, qd = heyoka.make_vars(*[f"q{i}" for i in range(n)]), heyoka.make_vars(*[f"v{i}" for i in range(n)])
+        q, qd = (q, qd) if n > 1 else ([q], [qd])
+        T, V = energies(name, q, qd, heyoka.sin, heyoka.cos)
+        equations = heyoka.lagrangian(T - V, q, qd)
     integrators = {}
 
     def run(end, tolerance):
@@ -93,7 +124,8 @@ def with_heyoka(name, start, fast_math=False):
         integrator.state[:] = start
         began = time.perf_counter()
         integrator.propagate_until(end)
-        return integrator.state.copy(), time.perf_counter() - began
+        seconds = time.perf_counter() - began
+        return compared(integrator.state), seconds
 
     return run, [10 ** (-0.5 * k) for k in range(4, 32)]
 
@@ -169,7 +201,7 @@ def to_reach(points, error):
 def series():
     peers, ratios = {}, {}
     for round in range(ROUNDS):
-        states, points = benchmark("--bin", "series")
+        states, points = benchmark("--bin", "series", *(["--", ASKED.only] if ASKED.only else []))
         for system, (start, *exact) in states.items():
             for fast_math in (False, True):
                 if (system, fast_math) not in peers:

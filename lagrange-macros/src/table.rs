@@ -8,13 +8,14 @@
 
 use crate::diagnostics::Errors;
 use crate::equations::Derived;
+use crate::equations::elimination::Solver;
 use crate::equations::solve::entry;
 use crate::graph::Value;
 use crate::program::count::operations;
 use crate::syntax::{Definition, Statement};
 use proc_macro2::Ident;
 
-/// Accelerations of more operations are solved for by a loop at run time.
+/// If M is eliminated as a whole, accelerations of more operations are solved for by a loop at run time.
 const MAX_STRAIGHT_OPERATIONS: usize = 5000;
 /// An inertia matrix of more operations is found by duals.
 const MAX_INERTIA_OPERATIONS: usize = 1000;
@@ -145,10 +146,11 @@ impl Derived {
     }
 
     /// Is M eliminated by loops at run time? That takes no longer than the same in straight lines, and these take
-    /// long to compile when there are many.
+    /// long to compile when there are many. An elimination along the bindings has no M, and is shorter than one.
     pub fn is_looped(&self) -> bool {
         let e = &self.equations;
-        e.solved.operations.arithmetic() > MAX_STRAIGHT_OPERATIONS
+        matches!(e.solved.solver, Solver::Dense(..))
+            && e.solved.operations.arithmetic() > MAX_STRAIGHT_OPERATIONS
             && e.formed.rows.is_empty()
             && e.solved.inertia.iter().enumerate().all(|(i, row)| !row[i].is_zero())
     }

@@ -6,7 +6,6 @@
 use lagrange_runtime::ensemble::{Ensemble, Moments, Table};
 use lagrange_runtime::lanes::{Fused, FinalState};
 use lagrange_runtime::prelude::*;
-use lagrange_runtime::testing::distance;
 use std::hint::black_box;
 use std::time::Instant;
 
@@ -23,17 +22,34 @@ const LEAST: f64 = 2e-4;
 /// At how many ends errors are measured.
 const ENDS: u32 = 16;
 
+/// Numbers of a state that are compared: of a free body the matrix of its attitude and its angular velocity, of others
+/// coordinates and velocities.
+fn compared<const N: usize>(attitudes: &[usize], at: &State<f64, N>) -> Vec<f64> {
+    match attitudes {
+        [] => at.q.iter().chain(&at.qd).copied().collect(),
+        [first, ..] => {
+            let (attitude, omega) = (at.attitude(*first).to_rotation_matrix(), at.angular_velocity(*first));
+            attitude.matrix().transpose().iter().chain(&omega).copied().collect()
+        }
+    }
+}
+
 fn points<Sys: Analytic<N, Scalar = f64>, const N: usize>(
     name: &str,
     system: &Sys,
     exact: impl Fn(f64) -> State<f64, N>,
     end: f64,
 ) {
+    let compared = |at: &State<f64, N>| compared(Sys::ATTITUDES, at);
+    let distance = |a: &State<f64, N>, b: &State<f64, N>| {
+        let apart = compared(a).into_iter().zip(compared(b)).map(|(a, b)| (a - b).abs());
+        apart.fold(0.0, f64::max)
+    };
     let start = exact(0.0);
     let exact: Vec<_> = (1..=ENDS).map(|k| exact(end * f64::from(k) / f64::from(ENDS))).collect();
-    for State { t, q, qd } in std::iter::once(&start).chain(&exact) {
-        let y: Vec<_> = q.iter().chain(qd).map(|x| format!("{x:e}")).collect();
-        println!("{name}\tstate\t{t:e}\t{}", y.join("\t"));
+    for at in std::iter::once(&start).chain(&exact) {
+        let y: Vec<_> = compared(at).iter().map(|x| format!("{x:e}")).collect();
+        println!("{name}\tstate\t{:e}\t{}", at.t, y.join("\t"));
     }
     for tolerance in (10..=31).map(|k| 10f64.powf(-0.5 * f64::from(k))) {
         let run = |end: f64| {
@@ -158,5 +174,9 @@ fn main() {
     if wanted("Top") {
         let (top, exact) = problems::top();
         points("Top", &top, exact, 20.0);
+    }
+    if wanted("Free body") {
+        let (body, exact) = problems::free_body();
+        points("Free body", &body, exact, 20.0);
     }
 }
