@@ -426,9 +426,9 @@ fn lifted(attitude: &UnitQuaternion<f64>) -> UnitQuaternion<Dual<f64>> {
 mod analysis {
     use super::*;
     use lagrange_runtime::analysis::{
-        ByGradients, ByVariationalEquations, Measurement, Period, equilibria, equilibrium,
-        fundamental_matrix, lyapunov_by_two_trajectories, lyapunov_spectrum, periodic_orbit,
-        small_vibrations,
+        BifurcationKind, ByGradients, ByVariationalEquations, Heading, Measurement, Path, Period, equilibria,
+        equilibrium, follow, fundamental_matrix, lyapunov_by_two_trajectories, lyapunov_spectrum,
+        periodic_orbit, small_vibrations,
     };
     use lagrange_runtime::{Gradient, analysis::Stability};
 
@@ -530,6 +530,66 @@ mod analysis {
             T = body(m, [0.3, 0.5, 0.4], hull);
             V = m * g * hull.origin()[2] - k * (R * [1, 0, 0])[0];
             D = 0.5 * c * angular_velocity(hull).norm_squared();
+        }
+    }
+
+    lagrangian! {
+        /// A needle in a field that turns by `angle` in the plane, with its keel held down ever less.
+        pub system Needle {
+            param angle, keel;
+            coord R: rotation;
+            let needle = frame(world, [0, 0, 0], R);
+            T = body(0, [1, 2, 2.5], needle);
+            let pointing = needle.vector([1, 0, 0]);
+            let down = needle.vector([0, 0, 1])[2];
+            V = -(cos(angle) * pointing[0] + sin(angle) * pointing[1]) - (keel - angle) * down + 0.25 * down.powi(2);
+        }
+    }
+
+    lagrangian! {
+        /// The same with the pointer in a plane by a constraint.
+        pub system Levelled {
+            param angle, keel;
+            coord R: rotation;
+            let needle = frame(world, [0, 0, 0], R);
+            T = body(0, [1, 2, 2.5], needle);
+            let pointing = needle.vector([1, 0, 0]);
+            let down = needle.vector([0, 0, 1])[2];
+            V = -(cos(angle) * pointing[0] + sin(angle) * pointing[1]) - (keel - angle) * down + 0.25 * down.powi(2);
+            constraint level: pointing[2] == 0;
+        }
+    }
+
+    /// The needle turns with the field, once and a half, upright until V'' is 0: keel − angle − 1/2 about its axis, 1
+    /// more across it.
+    #[test]
+    fn curves_of_equilibria_turn_over() {
+        let path = Path { range: (-10.0, 10.0), step: 0.1, steps: 2000 };
+        for (keel, heading) in [(7.5, Heading::Up), (7.5, Heading::Down), (2.5, Heading::Up)] {
+            let constant = Dual::constant;
+            let needle = |angle| Needle { angle, keel: constant(keel) };
+            let levelled = |angle| Levelled { angle, keel: constant(keel) };
+            let critical = [keel - 0.5, keel + 0.5];
+            for (branch, critical) in [
+                (follow(&needle, &[0.0; 3], 0.0, &heading, &path).unwrap(), &critical[..]),
+                (follow(&levelled, &[0.0; 3], 0.0, &heading, &path).unwrap(), &critical[..1]),
+            ] {
+                assert!(branch.complete);
+                for point in &branch.points {
+                    let at = State { q: SVector::from_fn(|i, _| point.q[i]), ..resting::<3>() };
+                    let known = UnitQuaternion::from_axis_angle(&Vec3::z_axis(), point.parameter);
+                    assert!(apart(&at.attitude(0), parts(&known)) < 1e-12, "{point:?}");
+                    assert!(at.q.norm_squared() < 2.0, "{point:?}");
+                    let falling = critical.iter().filter(|critical| point.parameter > **critical).count();
+                    assert_eq!(point.negative, falling, "{point:?}");
+                }
+                let known = if matches!(heading, Heading::Up) { critical } else { &[] };
+                assert_eq!(branch.bifurcations.len(), known.len());
+                for (found, known) in branch.bifurcations.iter().zip(known) {
+                    assert_eq!(found.kind, BifurcationKind::Pitchfork);
+                    assert!((found.parameter - known).abs() < 1e-10, "{}", found.parameter);
+                }
+            }
         }
     }
 

@@ -14,6 +14,7 @@ mod path;
 use super::hypotheses::{autonomous, coordinate_names, second_order};
 use super::switch::{linearized, smooth, switching};
 use super::{AnalysisError, SmallMotion, Stability};
+use crate::attitude::{self, steps};
 use crate::scalar::Dual;
 use crate::state::State;
 use crate::system::Linearize;
@@ -72,6 +73,9 @@ pub use branch::{Bifurcation, BifurcationKind, Branch, BranchPoint, Heading, Pat
 /// - What curves do exceeds rounding: imperfections above some 1e-13 of the forces, and quadratic terms above 1e-12
 ///   of the cubic ones, by which a transcritical branch point differs from a pitchfork. A curve that is lost to
 ///   rounding ends in [`AnalysisError::Unresolved`].
+///
+/// Of an attitude, steps begin with the shorter parameters, as those of a run do: from one point to the next they may
+/// jump, while the attitude does not.
 ///
 /// K need not be symmetric and damping may have either sign: see [`BranchPoint::stability`] and
 /// [`BifurcationKind::Flutter`]. Equilibria may lie in a surface because of a symmetry: the curve is followed across
@@ -249,6 +253,17 @@ impl<F: Fn(Dual<f64>) -> Sys, Sys: Linearize<N, Scalar = Dual<f64>>, const N: us
     fn switching(&self, z: &DVector<f64>) -> Vec<f64> {
         let (system, at) = self.at_rest(z);
         switching(&system, &at.q)
+    }
+
+    fn turned(&self, z: &DVector<f64>, direction: &DVector<f64>) -> Option<[DVector<f64>; 2]> {
+        let [q, qd] = [z, direction].map(|x| SVector::from_fn(|i: usize, _| x[i]));
+        let at = State::<f64, N> { t: 0.0, q, qd };
+        let far: Vec<usize> = steps::beyond(Sys::ATTITUDES, attitude::BOUND, &at).collect();
+        let turned = at.turned(far.iter().copied());
+        let with = |x: &DVector<f64>, q: &SVector<f64, N>| {
+            DVector::from_fn(x.len(), |i, _| if i < N { q[i] } else { x[i] })
+        };
+        (!far.is_empty()).then(|| [with(z, &turned.q), with(direction, &turned.qd)])
     }
 
     fn smooth(&self, z: &DVector<f64>) -> Result<(), AnalysisError> {

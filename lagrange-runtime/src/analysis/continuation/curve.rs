@@ -18,6 +18,8 @@ pub(super) trait Equations {
     fn stability(&self, z: &DVector<f64>, small: &SmallMotion) -> Result<Stability, AnalysisError>;
     /// Values of the switching functions.
     fn switching(&self, z: &DVector<f64>) -> Vec<f64>;
+    /// Point and direction by the parameters with which a step begins, where those of an attitude are too long.
+    fn turned(&self, z: &DVector<f64>, direction: &DVector<f64>) -> Option<[DVector<f64>; 2]>;
     /// Refuses a point on a switch.
     fn smooth(&self, z: &DVector<f64>) -> Result<(), AnalysisError>;
 }

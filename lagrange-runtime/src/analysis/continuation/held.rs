@@ -216,6 +216,10 @@ impl<F: Fn(Dual<f64>) -> Sys, Sys: Linearize<N, Scalar = Dual<f64>>, const N: us
         self.family.switching(&self.plain(z))
     }
 
+    fn turned(&self, z: &DVector<f64>, direction: &DVector<f64>) -> Option<[DVector<f64>; 2]> {
+        self.family.turned(z, direction)
+    }
+
     fn smooth(&self, z: &DVector<f64>) -> Result<(), AnalysisError> {
         self.family.smooth(&self.plain(z))
     }

@@ -45,8 +45,12 @@ pub(super) fn followed(curve: &Curve, start: Place, path: &Path) -> Result<Branc
         };
         branch.bifurcations.extend(found.into_iter().filter(|found| !near(found)));
         branch.bifurcations.extend(curve.flutter(&from, &to)?);
-        (idle, signed, from) = (to.idle(), true, to);
         branch.points.push(point);
+        from = match curve.equations.turned(&to.z, &to.tangent) {
+            Some([z, tangent]) => curve.place(z, &tangent.normalize())?,
+            None => to,
+        };
+        (idle, signed) = (from.idle(), true);
         if !(path.range.0..=path.range.1).contains(&from.z[n]) {
             branch.complete = true;
             break;
