@@ -138,6 +138,19 @@ pub struct Symmetry {
     pub own: bool,
 }
 
+/// A constant component of the angular momentum of rotations, directions and positions that turn together: a first
+/// integral by Noether's theorem, where neither L nor forces, dissipation and constraints change as they are turned
+/// about an axis of the world, each about its origin. Positions are arrays of three coordinates. The system has the
+/// momenta as an output, `common_angular_momenta`, in this order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct CommonSymmetry {
+    /// Names of what turns together.
+    pub turned: &'static [&'static str],
+    /// Number of the axis: 0, 1, 2 for x, y and z.
+    pub axis: usize,
+}
+
 /// Kind of a coordinate: `coord theta: angle, x: length, R: rotation, s;`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]

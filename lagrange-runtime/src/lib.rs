@@ -161,7 +161,8 @@ pub mod traits {
     pub use crate::event::CompiledEvents;
     pub use crate::external::ExternFunction;
     pub use crate::facts::{
-        Constraint, ConstraintKind, CoordinateKind, Facts, Operations, Redundancy, Similarity, Symmetry,
+        CommonSymmetry, Constraint, ConstraintKind, CoordinateKind, Facts, Operations, Redundancy,
+        Similarity, Symmetry,
     };
     pub use crate::impulse::{Impulsive, Jump};
     pub use crate::input::{InputJacobian, Inputs};

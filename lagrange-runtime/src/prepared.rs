@@ -4,7 +4,7 @@ use crate::choice::RecommendedMethods;
 use crate::constraint::{Constrained, Prescribed};
 use crate::controller::{Controller, ErrorEstimate};
 use crate::event::CompiledEvents;
-use crate::facts::Symmetry;
+use crate::facts::{CommonSymmetry, Symmetry};
 use crate::input::{InputJacobian, Inputs};
 use crate::method::Method;
 use crate::routhian::Routhian;
@@ -164,6 +164,7 @@ delegated! {
         = lagrangian_functions! { pass_on! { system: jacobian -> Jacobian<S, N>; } }
         const FACTS: Facts = Sys::FACTS;
         const SYMMETRIES: &'static [Symmetry] = Sys::SYMMETRIES;
+        const COMMON_SYMMETRIES: &'static [CommonSymmetry] = Sys::COMMON_SYMMETRIES;
     }
     Energies<N> {
         kinetic -> S;

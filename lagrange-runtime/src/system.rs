@@ -11,7 +11,7 @@ use crate::state::{Begun, ConstraintTerms, Restored, State};
 use nalgebra::{SMatrix, SVector};
 
 pub use crate::facts::Facts;
-use crate::facts::Symmetry;
+use crate::facts::{CommonSymmetry, Symmetry};
 
 /// Functions of (q, q̇, t) as functions of a state, for the body of the trait that has them.
 macro_rules! at_states {
@@ -272,6 +272,9 @@ pub trait Lagrangian<const N: usize>: System<N> {
 
     /// Constant angular momenta of rotations that are coordinates.
     const SYMMETRIES: &'static [Symmetry] = &[];
+
+    /// Constant angular momenta of rotations, directions and positions that turn together.
+    const COMMON_SYMMETRIES: &'static [CommonSymmetry] = &[];
 
     /// The Lagrangian `L(q, q̇, t)`; `T − V` where these were given.
     fn lagrangian(

@@ -1,7 +1,7 @@
 //! Angular momenta that the compiler finds constant, along runs, and those that it does not, which change.
 
 use lagrange_runtime::prelude::*;
-use lagrange_runtime::traits::Symmetry;
+use lagrange_runtime::traits::{CommonSymmetry, Symmetry};
 
 type Vec3 = Vector3<f64>;
 
@@ -154,4 +154,119 @@ fn the_compiler_finds_constant_angular_momenta() {
     assert!((vertical(&end) - vertical(&start)).abs() < 1e-8 && (own(&end) - own(&start)).abs() < 1e-8);
 
     assert_eq!(named(Driven::<f64>::SYMMETRIES), []);
+}
+
+lagrangian! {
+    /// Two satellites on a spring between points of both, in the field of a centre.
+    pub system Tethered {
+        param m, A: [3], B: [3], k, w;
+        coord x: [3], R: [rotation; 2], y: [3];
+        let one = frame(world, x, R[0]);
+        let two = frame(world, y, R[1]);
+        T = body(m, A, one) + body(2 * m, B, two);
+        let string = one.point([0.1, 0.2, 0.1]) - two.point([-0.1, 0, 0.3]);
+        V = 0.5 * k * (string.norm_squared().sqrt() - 1).powi(2) - w * m / x.norm_squared().sqrt();
+    }
+}
+
+lagrangian! {
+    /// A body on a rod on a body that flies, with friction in the joint of the rod.
+    pub system Slung {
+        param m, A: [3], l, g, c;
+        coord x: [3], R: rotation, n: direction;
+        let hull = frame(world, x, R);
+        let bob = hull.point([0, 0.1, 0.2]) + l * n;
+        T = body(m, A, hull) + 0.5 * dot(bob).norm_squared();
+        V = g * (m * x[2] + bob[2]);
+        D = 0.5 * c * dot(hull.vector([1, 0, 0]).dot(n)).powi(2);
+    }
+}
+
+lagrangian! {
+    /// An arm on a body that floats, without weight, and a stone that nothing else knows of.
+    pub system Arm {
+        param m, A: [3];
+        input tau;
+        coord stone: [3], x: [3], R: rotation, P: rotation, q: angle;
+        let hull = frame(world, x, R);
+        let first = frame(hull, [0.3, 0, 0.1], P);
+        let second = frame(first, [0, 0, 1], rotation_y(q));
+        T = 0.5 * dot(stone).norm_squared() + body(m, A, hull) + body(1, [0.1, 0.2, 0.15], frame(first, [0, 0.1, 0.5]))
+            + body(1, [0.1, 0.2, 0.15], frame(second, [0.1, 0, 0.5]));
+        V = 0.5 * stone[0].powi(2);
+        Q[q] = tau;
+    }
+}
+
+lagrangian! {
+    /// The same kind of body in a wind and at a wall, which know directions of space.
+    pub system Blown {
+        param m, A: [3], w;
+        coord x: [3], R: rotation;
+        let hull = frame(world, x, R);
+        T = body(m, A, hull);
+        V = 0.5 * hull.point([0.3, 0, 0])[2].powi(2);
+        D = 0.5 * w * dot(hull.point([0, 0, 0.2])).norm_squared();
+        Q[x] = [0, 0, w * hull.vector([1, 0, 0])[2]];
+        force [0, w, 0] at hull.point([0, 0.1, 0]);
+    }
+}
+
+fn together(all: &[CommonSymmetry]) -> Vec<(&[&str], usize)> {
+    all.iter().map(|s| (s.turned, s.axis)).collect()
+}
+
+fn drawn<const N: usize>() -> State<f64, N> {
+    let number = |i: usize| (1.7 * i as f64 + 0.4).sin();
+    State { t: 0.0, q: SVector::from_fn(|i, _| number(i)), qd: SVector::from_fn(|i, _| number(i + N)) }
+}
+
+#[test]
+fn the_compiler_finds_what_turns_together() {
+    let control = || PiController::tolerance(1e-12);
+    // Both satellites, and not one alone.
+    let tethered = Tethered::new(1.5, [1.0, 2.0, 2.5], [0.4, 0.5, 0.3], 2.0, 3.0);
+    let all: &[&str] = &["x", "R[0]", "R[1]", "y"];
+    assert_eq!(together(Tethered::<f64>::COMMON_SYMMETRIES), [(all, 0), (all, 1), (all, 2)]);
+    let momenta = |s: &State<f64, 12>| tethered.common_angular_momenta_at(s);
+    let start = drawn::<12>();
+    let end = integrate(&tethered, Dop853, control(), start).until(3.0).final_state().unwrap();
+    // r × m v and R I ω of both.
+    let known = |s: &State<f64, 12>| {
+        let part = |v: &SVector<f64, 12>, first: usize| v.fixed_rows::<3>(first).into_owned();
+        let own = |i: usize, moments: [f64; 3]| {
+            tethered.attitude_R(i, s) * Vec3::from(moments).component_mul(&tethered.angular_velocity_R(i, s))
+        };
+        part(&s.q, 0).cross(&part(&s.qd, 0)) * 1.5
+            + part(&s.q, 9).cross(&part(&s.qd, 9)) * 3.0
+            + own(0, tethered.A)
+            + own(1, tethered.B)
+    };
+    assert!((momenta(&start) - known(&start)).norm() < 1e-13);
+    assert!((momenta(&end) - momenta(&start)).norm() < 1e-9, "{}", momenta(&end) - momenta(&start));
+    assert!((known(&end) - known(&start)).norm() < 1e-9);
+
+    // About the vertical, with the friction between both.
+    let slung = Slung::new(1.5, [0.2, 0.3, 0.4], 0.7, 9.81, 0.3);
+    assert_eq!(together(Slung::<f64>::COMMON_SYMMETRIES), [(&["x", "R", "n"][..], 2)]);
+    let start = slung.with_direction_n(drawn(), &Vec3::new(0.1, 0.5, -0.8), &Vec3::new(1.0, 0.3, 0.0));
+    let end = integrate(&slung, Dop853, control(), start).until(2.0).final_state().unwrap();
+    let [before, after] = [&start, &end].map(|s| slung.common_angular_momenta_at(s)[0]);
+    assert!((after - before).abs() < 1e-9 && before.abs() > 0.1, "{before} {after}");
+
+    // A joint's rotation turns with its parent by itself. A spring leaves the stone one axis.
+    let arm = Arm { tau: 0.3, ..Arm::new(2.0, [0.3, 0.5, 0.4]) };
+    let hull: &[&str] = &["x", "R"];
+    let found = together(Arm::<f64>::COMMON_SYMMETRIES);
+    assert_eq!(found, [(&["stone"][..], 0), (hull, 0), (hull, 1), (hull, 2)]);
+    let start = drawn::<13>();
+    let end = integrate(&arm, Dop853, control(), start).until(2.0).final_state().unwrap();
+    let [before, after] = [&start, &end].map(|s| arm.common_angular_momenta_at(s));
+    assert!((after - before).norm() < 1e-9, "{before} {after}");
+
+    assert_eq!(together(Blown::<f64>::COMMON_SYMMETRIES), []);
+    assert_eq!(
+        <lagrange_runtime::traits::Precomputed<Arm, 13> as Lagrangian<13>>::COMMON_SYMMETRIES.len(),
+        4
+    );
 }

@@ -1,7 +1,8 @@
 //! Attitudes and directions of a system by name, in the types of nalgebra.
 
 use super::Emitter;
-use crate::model::{ATTITUDE_FUNCTIONS, Attitude, Coordinate, DIRECTION_FUNCTIONS, indexed};
+use crate::equations::symmetry::CommonSymmetry;
+use crate::model::{ATTITUDE_FUNCTIONS, Attitude, Coordinate, DIRECTION_FUNCTIONS, Model, indexed};
 use crate::syntax::Kind;
 use proc_macro2::{Ident, TokenStream};
 use quote::{format_ident, quote};
@@ -89,6 +90,12 @@ pub fn methods(
     quote!(#read #velocity #set)
 }
 
+/// The name of a rotation, a direction or a position by its first coordinate.
+pub fn turned_name(model: &Model, first: usize) -> String {
+    let Coordinate { name, index, part, .. } = &model.coordinates[first];
+    indexed(&name.to_string(), index.filter(|_| part.is_some()))
+}
+
 impl Emitter<'_> {
     /// The places of the attitudes, for runs.
     pub fn attitudes(&self) -> Option<TokenStream> {
@@ -106,7 +113,15 @@ impl Emitter<'_> {
             quote!(#runtime::Symmetry { rotation: #label, first: #first, axis: #axis, own: #own })
         });
         let any = !self.d.equations.symmetries.found.is_empty();
-        any.then(|| quote!(const SYMMETRIES: &'static [#runtime::Symmetry] = &[#(#found),*];))
+        let alone = any.then(|| quote!(const SYMMETRIES: &'static [#runtime::Symmetry] = &[#(#found),*];));
+        let all = &self.d.equations.symmetries.common;
+        let common = all.iter().map(|CommonSymmetry { turned, axis, .. }| {
+            let names = turned.iter().map(|first| turned_name(model, *first));
+            quote!(#runtime::CommonSymmetry { turned: &[#(#names),*], axis: #axis })
+        });
+        let together = (!all.is_empty())
+            .then(|| quote!(const COMMON_SYMMETRIES: &'static [#runtime::CommonSymmetry] = &[#(#common),*];));
+        Some(quote!(#alone #together))
     }
 
     /// The attitudes and directions by name.

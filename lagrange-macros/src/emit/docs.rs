@@ -1,10 +1,12 @@
 //! The documentation of a generated type: its Lagrangian, its equations of motion, and the facts found.
 
+use super::attitudes::turned_name;
 use super::mathml::{Writer, identifier, velocity};
 use crate::equations::constraints::{ConstraintKind, Redundancy, Rows};
 use crate::equations::restriction::invariant;
 use crate::equations::scaling::Scalings;
 use crate::equations::solve::entry;
+use crate::equations::symmetry::CommonSymmetry;
 use crate::equations::{Derived, Equations};
 use crate::graph::normal::EXPANSIONS;
 use crate::graph::{Graph, Number, Symbol, Value};
@@ -349,6 +351,9 @@ fn facts(d: &Derived, writer: &Writer) -> Vec<String> {
             lines.push(format!("- The angular momentum of `{of}`: {constant}."));
         }
     }
+    if !e.symmetries.common.is_empty() {
+        lines.push(format!("- Constant angular momenta of what turns together: {}.", common(d)));
+    }
     if n <= MAX_SHOWN_COORDINATES && n > 1 {
         for i in invariant(d) {
             lines.push(format!(
@@ -560,6 +565,16 @@ pub fn conserved(d: &Derived, attitude: &Attitude) -> String {
     let parent = of(false).map(|axes| format!("constant along {axes} of its parent"));
     let own = of(true).map(|axes| format!("constant along {axes} of its own"));
     [parent, own].into_iter().flatten().collect::<Vec<_>>().join(", and ")
+}
+
+/// List of the symmetries of what turns together, with their axes.
+pub fn common(d: &Derived) -> String {
+    let of = |s: &CommonSymmetry| {
+        let names: Vec<String> =
+            s.turned.iter().map(|first| format!("`{}`", turned_name(&d.model, *first))).collect();
+        format!("{} about {}", names.join(", "), ["x", "y", "z"][s.axis])
+    };
+    d.equations.symmetries.common.iter().map(of).collect::<Vec<_>>().join("; ")
 }
 
 #[cfg(test)]

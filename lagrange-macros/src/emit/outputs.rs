@@ -347,6 +347,19 @@ impl Emitter<'_> {
             methods.push(self.straight(quote!(#inline #[doc = #text] pub #signature), STATE, gives, &values));
             methods.extend(self.at_state(&name, gives));
         }
+        let common = &e.symmetries.common;
+        let name = Ident::new(symmetry::COMMON, model.name.span());
+        if !common.is_empty() && model.observed.iter().all(|o| o.name != name) {
+            let values: Vec<Value> = common.iter().map(|s| s.momentum).collect();
+            let gives = shape(false, values.len());
+            let text = format!(
+                "Constant angular momenta of what turns together about axes of the world: {}.",
+                docs::common(self.d)
+            );
+            let (signature, inline) = (self.signature(&name, STATE, gives), forced_inlining());
+            methods.push(self.straight(quote!(#inline #[doc = #text] pub #signature), STATE, gives, &values));
+            methods.extend(self.at_state(&name, gives));
+        }
         self.methods(methods.into_iter())
     }
 

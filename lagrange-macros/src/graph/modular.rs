@@ -52,23 +52,72 @@ fn constant(k: Number, trial: u64) -> Option<u64> {
     }
 }
 
+/// Reduces the rows to echelon form with ones as pivots and zeros above and below them; the columns of the pivots.
+fn reduce(rows: &mut [Vec<u64>], columns: usize) -> Vec<usize> {
+    let mut pivots = Vec::new();
+    for column in 0..columns {
+        let top = pivots.len();
+        let Some(found) = (top..rows.len()).find(|row| rows[*row][column] != 0) else { continue };
+        rows.swap(top, found);
+        let scale = inverse(rows[top][column]).expect("an element that is not 0");
+        rows[top].iter_mut().for_each(|x| *x = mul(*x, scale));
+        let pivot = rows[top].clone();
+        for (_, row) in rows.iter_mut().enumerate().filter(|(row, _)| *row != top) {
+            let factor = P - row[column];
+            for (x, y) in row.iter_mut().zip(&pivot) {
+                *x = add(*x, mul(factor % P, *y));
+            }
+        }
+        pivots.push(column);
+    }
+    pivots
+}
+
 impl Graph {
     /// Does the expression vanish as a rational function of its symbols, and of its function values as if they were
     /// symbols? By values at arbitrary elements of a field of 2⁶¹ − 1, where one that does not vanish is 0 in 10¹⁸ / d
     /// of all cases for a degree d (Schwartz 1980). What functions have to do with each other (sin² + cos² = 1) is not
     /// seen: then the answer is no.
     pub fn vanishes_as_rational(&self, v: Value) -> bool {
-        (0..3).all(|trial| self.residue(v, trial) == Some(0))
+        (0..3).all(|trial| self.residues(&[v], trial).is_some_and(|all| all[0] == 0))
     }
 
-    /// Value in the field, unless something is divided by 0.
-    fn residue(&self, v: Value, trial: u64) -> Option<u64> {
+    /// Sets of parts whose changes have the sum 0, in all of their components: the vectors of zeros and ones in the
+    /// basis of the null space that elimination gives. By values at elements of the field that
+    /// [`Graph::vanishes_as_rational`] does not look at.
+    pub fn vanishing_sets(&self, changes: &[Vec<Value>]) -> Vec<Vec<usize>> {
+        let n = changes.len();
+        let all: Vec<Value> = changes.iter().flatten().copied().collect();
+        let count = all.len() / n.max(1);
+        let (mut rows, mut pivots) = (Vec::new(), Vec::new());
+        for trial in 3..6 + n as u64 {
+            let Some(values) = self.residues(&all, trial) else { return Vec::new() };
+            rows.extend((0..count).map(|k| (0..n).map(|part| values[part * count + k]).collect()));
+            pivots = reduce(&mut rows, n);
+            if pivots.len() == n {
+                return Vec::new();
+            }
+        }
+        let free = (0..n).filter(|part| !pivots.contains(part));
+        let sets = free.map(|part| {
+            // The pivot's variable is minus the entry beside it.
+            let entries = pivots.iter().zip(&rows).map(|(pivot, row)| (*pivot, (P - row[part]) % P));
+            let all: Vec<(usize, u64)> = entries.chain([(part, 1)]).filter(|(_, x)| *x != 0).collect();
+            let mut set: Vec<usize> = all.iter().map(|(part, _)| *part).collect();
+            set.sort_unstable();
+            all.iter().all(|(_, x)| *x == 1).then_some(set)
+        });
+        sets.flatten().collect()
+    }
+
+    /// Values in the field, unless something is divided by 0.
+    fn residues(&self, of_interest: &[Value], trial: u64) -> Option<Vec<u64>> {
         let mut values: IdMap<u64> = IdMap::default();
         let of = |values: &IdMap<u64>, v: Value| {
             let k = constant(v.k, trial)?;
             v.node.map_or(Some(k), |n| Some(mul(k, *values.get(&n)?)))
         };
-        for id in self.live(&[v]) {
+        for id in self.live(of_interest) {
             let at = |n: Id| values.get(&n).copied();
             let value = match self.node(id) {
                 Node::Sum(a, b) => add(of(&values, *a)?, of(&values, *b)?),
@@ -80,6 +129,6 @@ impl Graph {
             };
             values.insert(id, value);
         }
-        of(&values, v)
+        of_interest.iter().map(|v| of(&values, *v)).collect()
     }
 }
