@@ -140,8 +140,9 @@ pub struct Symmetry {
 
 /// A constant component of the angular momentum of rotations, directions and positions that turn together: a first
 /// integral by Noether's theorem, where neither L nor forces, dissipation and constraints change as they are turned
-/// about an axis of the world, each about its origin. Positions are arrays of three coordinates. The system has the
-/// momenta as an output, `common_angular_momenta`, in this order.
+/// about an axis of the world, each about its origin. (A rotation in another frame than the world turns about the axis
+/// of that frame.) Positions are arrays of three coordinates. The system has the momenta as an output,
+/// `common_angular_momenta`, in this order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct CommonSymmetry {
