@@ -28,6 +28,9 @@ const WEIGHTS: [[f64; 6]; 2] = [
 /// and other coordinates are fast, nodes are too far apart.
 const SMOOTH: f64 = 1e-6;
 
+/// Change of a velocity, relative to the fastest one, that is rounding.
+const ROUNDED: f64 = 1e-11;
+
 /// Accelerations on the motion that goes through states at which constraints are dependent, of a state near it: those
 /// of the nearest admissible state, or, where gradients are nearly dependent, the polynomial of degree 11 through
 /// those of states `(q + s b, q̇)` on both sides, at s = 0, where b is the part of q̇ that coordinates of constraints
@@ -50,31 +53,47 @@ where
     let accel = |at: &State<Sys::Scalar, N>| system.accel(&at.q, &at.qd, at.t);
     // (Not of the projected state, which may be anywhere where constraints are dependent.)
     let found = if independence::<Sys, N, M>(system, reference, at) >= CLOSE {
-        projected(system, at, &at.qd, 0.0).map(|at| accel(&at))
+        projected(system, at, &at.qd, 0.0, 0.0).map(|at| accel(&at))
     } else {
         Nodes::about(system, reference, at, h, |nodes| nodes.middle(accel, roughly))
     };
     found.unwrap_or_else(|| constant(Sys::Scalar::from_f64(f64::NAN)))
 }
 
-/// The state `(q + s b, q̇)` of a state, projected onto the constraints.
+/// 1 if constraints move in time at a state, so that states beside it are those of other times; else 0.
+fn clock<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+) -> f64
+where
+    Sys::Scalar: Real,
+{
+    let still = system.constraint_rates(&at.q, &constant(Scalar::zero()), at.t);
+    if largest(&still) > 0.0 { 1.0 } else { 0.0 }
+}
+
+/// The state `(q + s b, q̇, t + s clock)` of a state, projected onto the constraints.
 fn projected<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
     along: &SVector<Sys::Scalar, N>,
     s: f64,
+    clock: f64,
 ) -> Option<State<Sys::Scalar, N>>
 where
     Sys::Scalar: Real,
 {
     let q = SVector::from_fn(|i, _| at.q[i] + along[i] * Sys::Scalar::from_f64(s));
-    let restored = restore(system, &State { q, ..*at }).ok()?;
+    let t = at.t + Sys::Scalar::from_f64(s * clock);
+    let restored = restore(system, &State { q, t, ..*at }).ok()?;
     Some(polished::<Sys, N, M>(system, &restored.state))
 }
 
 /// Admissible states on both sides of a state, at 1, …, 6 times a spacing.
 struct Nodes<S, const N: usize> {
     pairs: [[State<S, N>; 2]; WEIGHTS[0].len()],
+    /// Change of an acceleration that changes velocities by rounding while the motion passes them.
+    rounding: f64,
 }
 
 impl<S: Real, const N: usize> Nodes<S, N> {
@@ -87,26 +106,30 @@ impl<S: Real, const N: usize> Nodes<S, N> {
         h: S,
         of: impl Fn(Self) -> Option<T>,
     ) -> Option<T> {
-        let along =
-            |way: &SVector<S, N>, spacing| Nodes::along(system, reference, at, way, spacing).and_then(&of);
+        let clock = clock(system, at);
+        let along = |way: &SVector<S, N>, clock, spacing| {
+            Nodes::along(system, reference, at, (way, clock), spacing).and_then(&of)
+        };
         let turning = || {
             let force = system.momentum_rate(&at.q, &constant(S::zero()), at.t);
             let (way, _) = system.response(&at.q, &at.qd, at.t, &force, &constant(S::zero()));
-            along(&way, 0.0)
+            along(&way, 0.0, 0.0)
         };
-        along(&at.qd, h.to_f64().abs() / 32.0).or_else(|| along(&at.qd, 0.0)).or_else(turning)
+        let near = || along(&at.qd, clock, 0.0);
+        along(&at.qd, clock, h.to_f64().abs() / 32.0).or_else(near).or_else(turning)
     }
 
-    /// Those `(q + s b, q̇)` of a spacing of s, or of the next larger one with which the nearest of them are resolved.
+    /// Those `(q + s b, q̇, t + s clock)` of a spacing of s, or of the next larger one with which the nearest of them are
+    /// resolved.
     fn along<Sys: Constrained<N, M, Scalar = S>, const M: usize>(
         system: &Sys,
         reference: &State<S, N>,
         at: &State<S, N>,
-        b: &SVector<S, N>,
+        (b, clock): (&SVector<S, N>, f64),
         mut spacing: f64,
     ) -> Option<Self> {
         let b = &nearly_dependent_part::<Sys, N, M>(system, reference, at, b, CLOSE);
-        let both = |s: f64| Some([projected(system, at, b, -s)?, projected(system, at, b, s)?]);
+        let both = |s: f64| Some([projected(system, at, b, -s, clock)?, projected(system, at, b, s, clock)?]);
         let fastest = largest(b);
         // (Too near the position, a projection leads far away.)
         let beside = |node: &State<S, N>, s: f64| {
@@ -126,7 +149,8 @@ impl<S: Real, const N: usize> Nodes<S, N> {
                 for (j, pair) in pairs.iter_mut().enumerate().skip(1) {
                     *pair = both(spacing * (j + 1) as f64)?;
                 }
-                return Some(Nodes { pairs });
+                let passing = spacing * pairs.len() as f64;
+                return Some(Nodes { pairs, rounding: ROUNDED * largest(&at.qd) / passing });
             }
             spacing *= 1.5;
         }
@@ -138,7 +162,8 @@ impl<S: Real, const N: usize> Nodes<S, N> {
         Some(State { t, q: self.middle(|at| at.q, false)?, qd: self.middle(|at| at.qd, false)? })
     }
 
-    /// The value in their middle of a function of states, if it is smooth, or `roughly`.
+    /// The value in their middle of a function of states, if it is smooth to a change of accelerations that matters, or
+    /// `roughly`.
     fn middle(&self, of: impl Fn(&State<S, N>) -> SVector<S, N>, roughly: bool) -> Option<SVector<S, N>> {
         let mut sums: [SVector<S, N>; 2] = [constant(S::zero()); 2];
         let mut size = 0.0f64;
@@ -151,7 +176,7 @@ impl<S: Real, const N: usize> Nodes<S, N> {
                 }
             }
         }
-        (roughly || largest(&(sums[0] - sums[1])) <= SMOOTH * size).then_some(sums[0])
+        (roughly || largest(&(sums[0] - sums[1])) <= (SMOOTH * size).max(self.rounding)).then_some(sums[0])
     }
 }
 
@@ -206,7 +231,8 @@ where
     Sys::Scalar: Real,
 {
     let aside = ASIDE / largest(&at.qd);
-    let reference = [-aside, aside].into_iter().find_map(|s| projected(system, at, &at.qd, s))?;
+    let clock = clock(system, at);
+    let reference = [-aside, aside].into_iter().find_map(|s| projected(system, at, &at.qd, s, clock))?;
     let independent = independence::<Sys, N, M>(system, &reference, at);
     let on_branch = || on_branch::<Sys, N, M>(system, &reference, at);
     let state = (independent < CLOSE).then(on_branch).flatten();
@@ -222,7 +248,7 @@ fn on_branch<Sys: Constrained<N, M>, const N: usize, const M: usize>(
 where
     Sys::Scalar: Real,
 {
-    let nodes = Nodes::along(system, reference, at, &at.qd, 0.0)?;
+    let nodes = Nodes::along(system, reference, at, (&at.qd, clock(system, at)), 0.0)?;
     let state = nodes.state(at.t)?;
     let moved = state.minus(at);
     let is_near = (0..N).all(|i| moved.q[i].to_f64().abs() <= SAME_PLACE * (1.0 + at.q[i].to_f64().abs()));

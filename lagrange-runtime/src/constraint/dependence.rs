@@ -10,7 +10,8 @@ use crate::state::State;
 use nalgebra::{SMatrix, SVector};
 
 /// Square of the sine of the smallest angle between the gradient of a constraint and the span of the others, in the
-/// metric of the inertia matrix, at `at`; gradients that were longer at `start` count as that long. Of constraints
+/// metric of the inertia matrix, at `at`, relative to that at `start`: bodies whose masses differ much make all angles
+/// small, and no constraint dependent. Gradients that were longer at `start` count as that long. Of constraints
 /// that follow from others everywhere, as many are left out. (1 where matrices are too large to look at.) Emitted as
 /// [`System::independence`](crate::System::independence).
 #[cold]
@@ -27,20 +28,24 @@ where
         return 1.0;
     }
     let (Some(before), Some(here)) = (products(system, start), products(system, at)) else { return 1.0 };
-    let squares = |c: &SMatrix<f64, M, M>| core::array::from_fn::<f64, M, _>(|j| c[(j, j)]);
     let rank = usual_rank::<Sys, N, M>(Some(&before), squares(&before)).unwrap_or(M).min(N);
-    let longest = core::array::from_fn(|j| before[(j, j)].max(here[(j, j)]));
-    let mut elimination = Elimination::new(&here, longest);
-    let mut least: f64 = 1.0;
-    for _ in 0..rank {
-        let Some((row, pivot)) = elimination.pivot() else { break };
-        least = least.min(pivot.max(0.0));
-        if pivot <= 0.0 {
-            break;
-        }
-        elimination.eliminate(row);
-    }
-    least
+    (Elimination::new(&here, longest(&before, &here)).least_pivot(rank) / usual_sine(&before, rank)).min(1.0)
+}
+
+/// Square of the sine between gradients at a state at which they are independent: where it is less than 1/20, it is so
+/// by masses, and not by the place.
+fn usual_sine<const M: usize>(products: &SMatrix<f64, M, M>, rank: usize) -> f64 {
+    (20.0 * Elimination::new(products, squares(products)).least_pivot(rank)).min(1.0)
+}
+
+/// Squares of the lengths of gradients.
+fn squares<const M: usize>(products: &SMatrix<f64, M, M>) -> [f64; M] {
+    core::array::from_fn(|j| products[(j, j)])
+}
+
+/// Squares of the lengths that gradients have at one of two states.
+fn longest<const M: usize>(one: &SMatrix<f64, M, M>, other: &SMatrix<f64, M, M>) -> [f64; M] {
+    core::array::from_fn(|j| one[(j, j)].max(other[(j, j)]))
 }
 
 /// The part of a velocity that coordinates of constraints have that are dependent at `at` up to the part `brink`, with
@@ -57,7 +62,9 @@ where
     Sys::Scalar: Real,
 {
     let part = || {
-        let involved = involved(&products(system, reference)?, &products(system, at)?, brink)?;
+        let elsewhere = products(system, reference)?;
+        let rank = usual_rank::<Sys, N, M>(Some(&elsewhere), squares(&elsewhere))?.min(N);
+        let involved = involved(&elsewhere, &products(system, at)?, brink, rank)?;
         let rows = [reference, at].map(|at| system.constraint_jacobian(&at.q, at.t).map(|x| x.to_f64()));
         let moved: [bool; N] = core::array::from_fn(|i| {
             rows.iter().any(|rows| (0..M).any(|j| involved[j] && rows[(j, i)] != 0.0))
@@ -101,10 +108,10 @@ fn involved<const M: usize>(
     elsewhere: &SMatrix<f64, M, M>,
     here: &SMatrix<f64, M, M>,
     brink: f64,
+    rank: usize,
 ) -> Option<[bool; M]> {
-    let longest = core::array::from_fn(|j| elsewhere[(j, j)].max(here[(j, j)]));
-    let mut elimination = Elimination::new(here, longest);
-    let (_, pivot, _) = elimination.up_to(brink)?;
+    let mut elimination = Elimination::new(here, longest(elsewhere, here));
+    let (_, pivot, _) = elimination.up_to(brink * usual_sine(elsewhere, rank))?;
     let least = LEAST_PART + MARGIN * Functions::sqrt(pivot.max(0.0));
     Some(core::array::from_fn(|j| elimination.takes_part(j, least)))
 }
@@ -136,6 +143,8 @@ where
     let before: [f64; M] =
         core::array::from_fn(|j| elsewhere.iter().flatten().fold(0.0, |most: f64, c| most.max(c[(j, j)])));
     if Sys::FACTS.redundancy.is_none() {
+        // (Bodies of very different masses have small angles everywhere.)
+        let brink = brink * elsewhere.iter().flatten().map(|c| usual_sine(c, M)).fold(0.0, f64::max);
         let vanished = (0..M).find(|&j| here[(j, j)] <= brink * before[j]);
         if let Some(j) = vanished {
             let left = here[(j, j)] / before[j];
@@ -263,6 +272,20 @@ impl<const M: usize> Elimination<M> {
             self.eliminate(row);
         }
         None
+    }
+
+    /// The least of the first `rank` pivots, or 0.
+    fn least_pivot(mut self, rank: usize) -> f64 {
+        let mut least: f64 = 1.0;
+        for _ in 0..rank {
+            let Some((row, pivot)) = self.pivot() else { break };
+            least = least.min(pivot.max(0.0));
+            if pivot <= 0.0 {
+                break;
+            }
+            self.eliminate(row);
+        }
+        least
     }
 
     /// The first row whose pivot is no more than `brink`.

@@ -23,6 +23,9 @@ const ROUNDING: f64 = 64.0;
 /// The next step after one that could not be made so: it shall not land before that state, where it began.
 const BESIDE: f64 = 0.7;
 
+/// Size of a step across, in units of the first one, below which constraints count as independent if it fails.
+const SHORTEST_ACROSS: f64 = 1e-5;
+
 #[derive(Clone, Copy, Debug, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub enum Status<S> {
@@ -76,6 +79,9 @@ pub struct Engine<Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
     pub(crate) bound: f64,
     /// Steps go through a state at which constraints are dependent: was the last one made so, and is the next one?
     across: [bool; 2],
+    /// Size of the step with which steps across began; negative once they have failed and the motion is near there.
+    #[cfg_attr(feature = "serde", serde(with = "crate::saved::number"))]
+    set_out: f64,
     /// State that shows how long the gradients of constraints are elsewhere: the start, if they are independent there.
     reference: State<Sys::Scalar, N>,
     /// Approach of adaptive steps to a switch.
@@ -120,6 +126,7 @@ where
             longest: 0.0,
             bound: f64::INFINITY,
             across: [false; 2],
+            set_out: 0.0,
             reference: start,
             approach: Approach::NONE,
             attempts: 0,
@@ -225,9 +232,14 @@ where
         if self.across[1] || !(self.state.is_finite() && self.state.t.to_f64().is_finite()) {
             return;
         }
-        if let Some(Begun { state, reference }) = system.begun_across(&self.state) {
-            (self.reference, self.across[1]) = (reference, state.is_some());
-            self.state = state.unwrap_or(self.state);
+        let Some(Begun { state, reference }) = system.begun_across(&self.state) else { return };
+        self.reference = reference;
+        let starts = |state: &State<Sys::Scalar, N>| {
+            let accel = system.accel_across(&reference, state, Sys::Scalar::zero(), false);
+            accel.iter().all(|x| x.to_f64().is_finite())
+        };
+        if let Some(state) = state.filter(starts) {
+            (self.state, self.across[1]) = (state, true);
         }
     }
 
@@ -304,7 +316,7 @@ where
         self.state = state;
         self.memory = None;
         self.h = Sys::Scalar::zero();
-        self.across = [false; 2];
+        (self.across, self.set_out) = ([false; 2], 0.0);
         self.approach = Approach::NONE;
         self.status = Status::Unprepared;
     }
@@ -337,9 +349,29 @@ where
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
     ) -> Result<(Step<Sys, M, N>, M::MethodState), Failure<Sys::Scalar>> {
-        let beside = attempt_beside(system, &self.method, &self.controller, memory, from, h)?;
+        let mut beside = attempt_beside(system, &self.method, &self.controller, memory, from, h);
+        if Self::DEPENDENT && beside.is_err() {
+            beside = self.attempt_across_from(system, from, h).or(beside);
+        }
+        let beside = beside?;
         self.statistics.evaluations += u64::from(beside.0.evaluations);
         Ok(beside)
+    }
+
+    /// [`attempt_from`](Self::attempt_from) through, or to, a state at which constraints are dependent.
+    #[cold]
+    #[inline(never)]
+    fn attempt_across_from(
+        &self,
+        system: &Sys,
+        from: &State<Sys::Scalar, N>,
+        h: Sys::Scalar,
+    ) -> Result<(Step<Sys, M, N>, M::MethodState), Failure<Sys::Scalar>> {
+        let across = self.across(system, h);
+        let memory = self.method.start_across(&across, from)?;
+        let mut next = memory.clone();
+        let step = attempt_across(&across, &self.method, &self.controller, &memory, from, h, &mut next)?;
+        Ok((step, next))
     }
 
     /// `h` with the sign of the run.
@@ -469,7 +501,12 @@ where
             let q = at.q + at.qd * (h * Sys::Scalar::from_f64(part));
             system.independence(&self.reference, &State { q, ..*at }) < NEARLY_DEPENDENT
         };
-        if self.across[1] || ![0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].into_iter().any(dependent) {
+        if self.across[1] {
+            return Ok(false);
+        }
+        if self.set_out < 0.0 && dependent(0.0)
+            || ![0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].into_iter().any(dependent)
+        {
             return Ok(false);
         }
         system.determined(&self.start, &self.state)?;
@@ -478,7 +515,24 @@ where
         };
         self.statistics.evaluations += u64::from(self.method.start_evaluations());
         self.memory = Some(DoubleBuffer::new(memory));
-        self.across[1] = true;
+        (self.across[1], self.set_out) = (true, h.to_f64().abs());
+        Ok(true)
+    }
+
+    /// Goes on as if constraints were independent, where steps across fail however short they are: they are independent
+    /// where two bodies of very different masses are in line, or a gradient is short for some time and does not vanish.
+    ///
+    /// # Errors
+    /// Those of [`Method::start`].
+    #[cold]
+    #[inline(never)]
+    fn turns_back(&mut self, system: &Sys) -> Result<bool, Failure<Sys::Scalar>> {
+        if !self.across[1] || self.h.to_f64().abs() >= SHORTEST_ACROSS * self.set_out {
+            return Ok(false);
+        }
+        self.memory = Some(DoubleBuffer::new(self.method.start(system, &self.state)?));
+        self.statistics.evaluations += u64::from(self.method.start_evaluations());
+        (self.across[1], self.set_out) = (false, -1.0);
         Ok(true)
     }
 
@@ -557,7 +611,7 @@ where
             let step = match &mut attempted {
                 Ok(step) => step,
                 Err(failure) => {
-                    if Self::DEPENDENT && self.sets_out_across(system, h)? {
+                    if Self::DEPENDENT && (self.turns_back(system)? || self.sets_out_across(system, h)?) {
                         self.statistics.rejected += 1;
                         continue;
                     }
