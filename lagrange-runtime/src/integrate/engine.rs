@@ -199,7 +199,11 @@ where
         }
         // (Where constraints are dependent, a projection leads anywhere.)
         if !(Self::DEPENDENT && self.across[1]) {
-            self.state = admitted(system, &self.state)?;
+            let given = self.state;
+            self.state = admitted(system, &given)?;
+            if Self::ADAPTIVE && Sys::CONSTRAINTS > 0 {
+                self.begins(system, &given)?;
+            }
         }
         if Self::ATTITUDES
             && self.end != Some(self.state.t)
@@ -222,6 +226,17 @@ where
         self.head(system, since)?;
         self.status = Status::Running;
         Ok(())
+    }
+
+    /// Refuses a start that is farther from the constraints than the tolerance of the run.
+    #[cold]
+    #[inline(never)]
+    fn begins(&self, system: &Sys, given: &State<Sys::Scalar, N>) -> Result<(), Failure<Sys::Scalar>> {
+        if tolerated(&self.controller, &self.state.minus(given), given, &self.state) {
+            return Ok(());
+        }
+        let Some(Restored { constraint, violation, .. }) = system.restored(given)? else { return Ok(()) };
+        Err(Failure::ConstraintViolated { t: given.t, constraint, violation })
     }
 
     /// Steps are made as those through a state at which constraints are dependent if the motion begins near one, on a
