@@ -4,8 +4,9 @@ use crate::diagnosis::is_finite;
 use crate::failure::Failure;
 use crate::iteration::{Iteration, Progress, chosen};
 use crate::lanes::Work;
+use crate::linear::ldlt;
 use crate::scalar::{Comparison, Real, Scalar, SimdScalar};
-use crate::state::{Restored, State, constant};
+use crate::state::{Begun, Restored, State, constant};
 use crate::system::{Lagrangian, System, at_states};
 use nalgebra::{SMatrix, SVector};
 
@@ -289,7 +290,9 @@ fn violations<S: SimdScalar, const N: usize, const M: usize>(
 }
 
 /// The state near `guess` with which a constrained system can start: its positions and velocities satisfy the
-/// constraints, and differ from the guess by the smallest change in the norm of the inertia matrix.
+/// constraints, and differ from the guess by the smallest change in the norm of the inertia matrix, to first order in
+/// that change. Near a position with dependent constraints it is on the branch that the velocity is along, if it is
+/// along one.
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
@@ -327,5 +330,63 @@ where
     if !(guess.is_finite() && guess.t.to_f64().is_finite()) {
         return Err(Failure::NonFinite { t: guess.t, h: Sys::Scalar::zero() });
     }
-    restore(system, guess).map(|restored| restored.state)
+    if let Some(Begun { state: Some(state), .. }) = begun_across(system, guess) {
+        return Ok(state);
+    }
+    let found = restore(system, guess).map(|restored| restored.state);
+    let distance = |state: &State<Sys::Scalar, N>| {
+        let parts =
+            (0..N).map(|i| (state.q[i] - guess.q[i]).to_f64().abs() / (1.0 + guess.q[i].to_f64().abs()));
+        parts.fold(0.0, f64::max)
+    };
+    match &found {
+        Ok(state) if distance(state) <= NEAR => found,
+        _ => match restore(system, &approached(system, guess)) {
+            Ok(Restored { state, .. })
+                if found.as_ref().map_or(true, |far| distance(&state) < distance(far)) =>
+            {
+                Ok(state)
+            }
+            _ => found,
+        },
+    }
+}
+
+/// Distance, relative to `1 + |q|`, beyond which a consistent state is looked for by damped corrections: from beside a
+/// position with dependent constraints Newton's method goes far away.
+const NEAR: f64 = 0.5;
+
+/// Damping of these corrections, relative to the largest square of a gradient, and their number.
+const DAMPING: f64 = 1e-3;
+const MOST_DAMPED: u32 = 200;
+
+/// A state nearer to the constraints on positions, by damped corrections, `δq = M⁻¹ Aᵀ (A M⁻¹ Aᵀ + μ)⁻¹ (−f)`
+/// (Levenberg 1944; Marquardt 1963).
+fn approached<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    guess: &State<Sys::Scalar, N>,
+) -> State<Sys::Scalar, N>
+where
+    Sys::Scalar: Real,
+{
+    let mut state = *guess;
+    for _ in 0..MOST_DAMPED {
+        let (Ok(inertia), a) = (
+            ldlt(&system.inertia(&state.q, &state.qd, state.t)),
+            system.constraint_jacobian(&state.q, state.t),
+        ) else {
+            break;
+        };
+        let responses: [SVector<Sys::Scalar, N>; M] =
+            core::array::from_fn(|j| inertia.solve(&SVector::from_fn(|i, _| a[(j, i)])));
+        let product =
+            |i: usize, j: usize| (0..N).fold(Scalar::zero(), |sum, k| sum + a[(i, k)] * responses[j][k]);
+        let mut products = SMatrix::<Sys::Scalar, M, M>::from_fn(product);
+        let largest = (0..M).map(|j| products[(j, j)].to_f64()).fold(0.0, f64::max);
+        (0..M).for_each(|j| products[(j, j)] += Sys::Scalar::from_f64(DAMPING * largest));
+        let Ok(products) = ldlt(&products) else { break };
+        let forces = products.solve(&-system.constraints(&state.q, state.t));
+        state.q += (0..M).fold(constant(Scalar::zero()), |sum, j| sum + responses[j] * forces[j]);
+    }
+    state
 }

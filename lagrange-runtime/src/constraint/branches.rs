@@ -35,6 +35,10 @@ const INDEPENDENT: f64 = 1e-4;
 /// Distance, relative to `1 + |q|`, at which a state is at the position.
 const THERE: f64 = 1e-7;
 
+/// Largest value of a constraint, in units of its gradient, in a position of the mechanism: others are near positions of
+/// another one.
+const ADMITTED: f64 = 1e-9;
+
 /// Largest distance at which the position is looked for, relative to `1 + |q|`.
 const NEAR: f64 = 0.5;
 
@@ -226,13 +230,15 @@ where
     }
     let reduced = reduced(&jacobian(&q), &values(&q), &sizes)?;
     let vanishes = reduced.slope.iter().all(|x| x.abs() <= 1e-7);
+    let left = values(&q);
+    let is_there = (0..M).all(|j| left[j].abs() <= ADMITTED * sizes[j]);
     let directions = zeros(&form(&q, &reduced))?;
     let directions = directions.map(|[x, y]| {
         let b = reduced.basis[0] * x + reduced.basis[1] * y;
         let largest = (0..N).max_by(|&i, &j| b[i].abs().total_cmp(&b[j].abs())).map_or(1.0, |i| b[i]);
         b.map(|x| x / largest)
     });
-    (last < SAME && vanishes).then_some(Branches { q, directions })
+    (last < SAME && vanishes && is_there).then_some(Branches { q, directions })
 }
 
 /// Zeros of a quadratic form, if it has some: the same one twice where its discriminant is rounding.
