@@ -7,6 +7,8 @@
 mod branches;
 #[path = "linkages/positions.rs"]
 mod positions;
+#[path = "linkages/regular.rs"]
+mod regular;
 #[path = "linkages/stiffness.rs"]
 mod stiffness;
 #[path = "linkages/systems.rs"]

@@ -61,12 +61,14 @@ pub fn examined(
         return Ok(None);
     }
     let starts = if declared || m >= n { MORE_STARTS } else { STARTS };
+    // A mechanism with a drive for each freedom moves by its constraints alone.
+    let driven = m == n && g.depends(&[&rows.values[..], &rows.rates].concat(), |s| s == Symbol::Time);
     let mut places: Vec<(Place, usize)> = Vec::new();
     for trial in 0..starts {
         let Some(place) = (Search { g, model, rows, trial }).place() else { continue };
         let Some(rank) = rank(place.iter()) else { continue };
         // An assembly that cannot move is none of a mechanism.
-        if rank < n {
+        if rank < n || driven {
             places.push((place, rank));
         }
         if places.len() == PLACES {
@@ -78,7 +80,7 @@ pub fn examined(
     let rank = match (least, most) {
         (Some(least), Some(most)) if most < m => Some(least).filter(|_| least == most),
         (Some(least), Some(_)) if least == m && !declared => return Ok(None),
-        (None, _) if m >= n && !declared => {
+        (None, _) if m >= n && !declared && !driven => {
             let message = format!(
                 "{m} constraints on {n} coordinates leave no motion to find\nhelp: use fewer constraints, or more coordinates; of a mechanism that moves for special values of its parameters, write `redundant constraint {}: …`",
                 constraints[n - 1].name
