@@ -110,7 +110,8 @@ lagrangian! {
 }
 
 lagrangian! {
-    /// A slider-crank whose crank turns as it is given: no freedom is left, and the drive and the pins have their loads.
+    /// A slider-crank whose crank turns as it is given: no freedom is left, and the drive and the pins have their
+    /// loads.
     system Machine {
         param r = 0.3, l = 0.8, w = 5, rod = 0.7, slider = 1, g = 9.81;
         coord a = w * t;

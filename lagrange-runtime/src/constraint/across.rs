@@ -119,8 +119,8 @@ impl<S: Real, const N: usize> Nodes<S, N> {
         along(&at.qd, clock, h.to_f64().abs() / 32.0).or_else(near).or_else(turning)
     }
 
-    /// Those `(q + s b, q̇, t + s clock)` of a spacing of s, or of the next larger one with which the nearest of them are
-    /// resolved.
+    /// Those `(q + s b, q̇, t + s clock)` of a spacing of s, or of the next larger one with which the nearest of them
+    /// are resolved.
     fn along<Sys: Constrained<N, M, Scalar = S>, const M: usize>(
         system: &Sys,
         reference: &State<S, N>,

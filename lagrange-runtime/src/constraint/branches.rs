@@ -35,8 +35,8 @@ const INDEPENDENT: f64 = 1e-4;
 /// Distance, relative to `1 + |q|`, at which a state is at the position.
 const THERE: f64 = 1e-7;
 
-/// Largest value of a constraint, in units of its gradient, in a position of the mechanism: others are near positions of
-/// another one.
+/// Largest value of a constraint, in units of its gradient, in a position of the mechanism: others are near positions
+/// of another one.
 const ADMITTED: f64 = 1e-9;
 
 /// Largest distance at which the position is looked for, relative to `1 + |q|`.
