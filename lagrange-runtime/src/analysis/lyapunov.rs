@@ -161,7 +161,12 @@ where
     let length = |d: &Tangent<f64, N>| (d.q.norm_squared() + d.qd.norm_squared()).sqrt();
     let even = separation / (2.0 * N as f64).sqrt();
     let all = SVector::<f64, N>::from_element(1.0);
-    let (mut first, mut second) = (*start, start.moved(start.t, even, &Tangent { q: all, qd: all }));
+    // The trajectory beside the other one is on the constraints, too.
+    let beside = |at: State<f64, N>| -> Result<_, AnalysisError> {
+        Ok(system.restored(&at)?.map_or(at, |restored| restored.state))
+    };
+    let moved = start.moved(start.t, even, &Tangent { q: all, qd: all });
+    let (mut first, mut second) = (*start, beside(moved)?);
     let mut growth = Vec::with_capacity(count);
     for k in 0..before as usize + count {
         let further = |from: State<f64, N>| {
@@ -181,7 +186,7 @@ where
         if k >= before as usize {
             growth.push(ratio.ln());
         }
-        second = first.moved(first.t, 1.0 / ratio, &apart);
+        second = beside(first.moved(first.t, 1.0 / ratio, &apart))?;
     }
     Ok(Exponent::of(&growth, how.interval))
 }
