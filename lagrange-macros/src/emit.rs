@@ -19,6 +19,7 @@ mod states;
 mod taylor;
 
 use crate::equations::Derived;
+use crate::equations::scaling::Scalings;
 use crate::graph::{Number, Value};
 use crate::model::frames::Motion;
 use crate::model::{External, Model, Parameter, indexed};
@@ -625,17 +626,26 @@ impl Emitter<'_> {
         markers.collect()
     }
 
-    /// Tokens of the runtime's `Facts` about changes of scale.
+    /// Tokens of the runtime's `Facts` about changes of scale. Where these are not known, each parameter matters.
     fn scalings(&self) -> TokenStream {
         let Derived { model, equations, .. } = self.d;
         let (runtime, labels) = (&model.runtime, model.parameter_labels());
-        let whole = |k: &Number| k.integer().and_then(|k| i32::try_from(k).ok()).unwrap_or_default();
-        let groups = equations.scalings.groups.iter().map(|group| {
-            let powers = group.iter().map(|(i, k)| (&labels[*i], whole(k)));
+        let whole = |k: &Number| {
+            let k = k.integer().and_then(|k| i32::try_from(k).ok());
+            k.expect("exponents of groups and similarities are whole numbers")
+        };
+        let group = |factors: &[(usize, Number)]| {
+            let powers = factors.iter().map(|(i, k)| (&labels[*i], whole(k)));
             let powers = powers.map(|(name, power)| quote!((#name, #power)));
             quote!(&[#(#powers),*])
-        });
-        let similar = equations.scalings.similar.iter().map(|exponents| {
+        };
+        let (groups, similar): (Vec<_>, Vec<_>) = match &equations.scalings {
+            Some(Scalings { groups, similar, .. }) => {
+                (groups.iter().map(|factors| group(factors)).collect(), similar.iter().collect())
+            }
+            None => ((0..labels.len()).map(|i| group(&[(i, Number::ONE)])).collect(), Vec::new()),
+        };
+        let similar = similar.into_iter().map(|exponents| {
             let (time, coordinates) = (whole(&exponents[0]), exponents[1..].iter().map(whole));
             quote!(#runtime::Similarity { time: #time, coordinates: &[#(#coordinates),*] })
         });

@@ -60,8 +60,8 @@ pub struct Equations {
     pub events: Vec<Vec<EventFunction>>,
     /// First integrals of rotations.
     pub symmetries: Symmetries,
-    /// Changes of scale that leave the equations as they are.
-    pub scalings: Scalings,
+    /// Changes of scale that leave the equations as they are, if they are known.
+    pub scalings: Option<Scalings>,
 }
 
 impl Equations {

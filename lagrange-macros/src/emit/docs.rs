@@ -405,8 +405,8 @@ fn facts(d: &Derived, writer: &Writer) -> Vec<String> {
 /// Groups of parameters, units that they give, and scalings of motions.
 fn scales(d: &Derived) -> Vec<String> {
     let Derived { model, equations: Equations { scalings, .. }, .. } = d;
+    let Some(Scalings { groups, units, similar }) = scalings else { return Vec::new() };
     let labels = model.parameter_labels();
-    let Scalings { groups, units, similar } = scalings;
     let mut lines = Vec::new();
     if groups.len() <= MAX_SHOWN_GROUPS && !groups.is_empty() {
         let groups: Vec<String> =

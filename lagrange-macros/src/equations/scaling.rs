@@ -18,8 +18,8 @@ type Form = BTreeMap<usize, Number>;
 /// A product of powers of parameters, by their numbers.
 pub type Monomial = Vec<(usize, Number)>;
 
-/// Changes of scale of a system.
-#[derive(Debug, Default)]
+/// Changes of scale of a system, with whole exponents but for units.
+#[derive(Debug)]
 pub struct Scalings {
     /// Groups of parameters that no scaling changes, each with one parameter that is in no other.
     pub groups: Vec<Monomial>,
@@ -32,9 +32,9 @@ pub struct Scalings {
 /// Graphs of more nodes are not asked.
 const MAX_NODES: usize = 20_000;
 
-pub fn scalings(g: &Graph, model: &Model, formed: &Formed) -> Scalings {
-    let exponents = Exponents::of(g, model, formed);
-    exponents.map_or_else(Scalings::default, |exponents| exponents.scalings())
+/// None where they are not known: of systems that are too large, and of exponents that are no small fractions.
+pub fn scalings(g: &Graph, model: &Model, formed: &Formed) -> Option<Scalings> {
+    Exponents::of(g, model, formed)?.scalings()
 }
 
 /// Unknown exponents: of the parameters, inputs last, of time, of the coordinates, and of L.
@@ -133,7 +133,9 @@ impl Exponents {
         match f {
             Function::sqrt => power(a, Number::from(2).recip()),
             Function::cbrt => power(a, Number::from(3).recip()),
-            Function::powf if second.is_constant() => power(a, second.k),
+            Function::powf if matches!(second, Value { k: Number::Ratio(..), node: None }) => {
+                power(a, second.k)
+            }
             Function::abs => a.unwrap_or_default(),
             Function::signum => Form::new(),
             Function::hypot => self.same(a, b),
@@ -181,7 +183,7 @@ impl Exponents {
     /// The form by unknowns that are not solved for.
     fn reduced(&self, form: &Form) -> Form {
         let mut form = form.clone();
-        // What replaces an unknown is made of those before it.
+        // An unknown is replaced by those before it.
         let last = |form: &Form, below: usize| {
             form.range(..below).rev().find(|(u, _)| self.solved.contains_key(u)).map(|(u, k)| (*u, *k))
         };
@@ -194,18 +196,21 @@ impl Exponents {
         form
     }
 
-    fn scalings(&self) -> Scalings {
+    fn scalings(&self) -> Option<Scalings> {
         let mut number = vec![0; self.parameters.len()];
         self.parameters.iter().enumerate().for_each(|(i, place)| number[*place] = i);
         let monomial = |form: &Form, sign: Number| -> Monomial {
             form.iter().map(|(u, k)| (number[*u], k.mul(sign))).collect()
         };
         let groups = (0..self.time()).filter(|u| self.solved.contains_key(u)).map(|u| {
-            let form = self.reduced(&single(u));
-            whole([vec![(number[u], Number::ONE)], monomial(&form, Number::MINUS_ONE)].concat())
+            let rest = monomial(&self.reduced(&single(u)), Number::MINUS_ONE);
+            whole([vec![(number[u], Number::ONE)], rest].concat())
         });
         let moving = self.time()..=self.time() + self.coordinates;
         let forms: Vec<Form> = moving.clone().map(|u| self.reduced(&single(u))).collect();
+        if forms.iter().flat_map(Form::values).any(|k| matches!(k, Number::Float(..))) {
+            return None;
+        }
         let units = forms.iter().map(|form| {
             let by_parameters = form.keys().all(|u| *u < self.time());
             by_parameters.then(|| monomial(form, Number::ONE))
@@ -213,9 +218,10 @@ impl Exponents {
         let similar = moving.filter(|u| !self.solved.contains_key(u)).map(|free| {
             let exponents = forms.iter().enumerate();
             let exponents = exponents.map(|(i, form)| (i, form.get(&free).copied().unwrap_or(Number::ZERO)));
-            whole(exponents.collect()).into_iter().map(|(_, k)| k).collect()
+            Some(whole(exponents.collect())?.into_iter().map(|(_, k)| k).collect())
         });
-        Scalings { groups: groups.collect(), units: units.collect(), similar: similar.collect() }
+        let (groups, similar) = (groups.collect::<Option<_>>()?, similar.collect::<Option<_>>()?);
+        Some(Scalings { groups, units: units.collect(), similar })
     }
 }
 
@@ -245,13 +251,14 @@ fn power(form: Option<Form>, k: Number) -> Form {
     combined(&Form::new(), &form.unwrap_or_default(), k)
 }
 
-/// A power of it whose exponents are whole numbers.
-fn whole(mut monomial: Monomial) -> Monomial {
+/// A power of it whose exponents are whole numbers, if these are small enough for the runtime.
+fn whole(mut monomial: Monomial) -> Option<Monomial> {
     while let Some(part) = monomial.iter().find_map(|(_, k)| match k {
         Number::Ratio(_, d) if *d > 1 => Some(*d),
         _ => None,
     }) {
         monomial.iter_mut().for_each(|(_, k)| *k = k.mul(part.into()));
     }
-    monomial
+    let is_small = |k: &Number| k.integer().is_some_and(|k| i32::try_from(k).is_ok());
+    monomial.iter().all(|(_, k)| is_small(k)).then_some(monomial)
 }
