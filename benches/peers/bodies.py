@@ -12,16 +12,14 @@ With --instructions what a call executes is counted by callgrind instead of time
 import argparse
 import ctypes
 import os
-import random
 import re
 import subprocess
-import sys
 from pathlib import Path
 
+from environment import enter
+
 HERE = Path(__file__).resolve().parent
-VENV = HERE / "target" / "venv-bodies"
 WORK = HERE / "target" / "bodies"
-PACKAGES = ["casadi==3.8.2", "pin==4.1.0", "mujoco==4.0.0", "numpy"]
 STATES = 256
 
 parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -29,12 +27,7 @@ parser.add_argument("--instructions", action="store_true", help="counts instead 
 parser.add_argument("--rounds", type=int, default=101, help="of which medians are taken (101)")
 ASKED = parser.parse_args()
 
-if Path(sys.prefix) != VENV:
-    python = VENV / "bin" / "python"
-    if not python.exists():
-        subprocess.run([sys.executable, "-m", "venv", VENV], check=True)
-        subprocess.run([python, "-m", "pip", "install", "-q", *PACKAGES], check=True)
-    os.execv(python, [python, __file__, *sys.argv[1:]])
+enter("venv-bodies", ["casadi==3.8.2", "pin==4.1.0", "mujoco==4.0.0", "numpy"])
 
 import casadi
 import mujoco

@@ -15,20 +15,15 @@ import time
 from pathlib import Path
 from typing import Annotated
 
+from environment import enter
+
 HERE = Path(__file__).resolve().parent
-VENV = HERE / "target" / "venv-chain"
 WORK = HERE / "target" / "chain"
-PACKAGES = ["casadi==3.8.2", "wrenfold==0.5.3", "sympy==1.14.0", "pin==4.1.0"]
 SIZES = [int(word) for word in sys.argv[1:]] or [2, 3, 4, 6, 8, 12, 16, 24, 32]
 ROUNDS = 31
 SYMPY_UNTIL = 16  # Its derivation takes minutes beyond.
 
-if Path(sys.prefix) != VENV:
-    python = VENV / "bin" / "python"
-    if not python.exists():
-        subprocess.run([sys.executable, "-m", "venv", VENV], check=True)
-        subprocess.run([python, "-m", "pip", "install", "-q", *PACKAGES], check=True)
-    os.execv(python, [python, __file__, *sys.argv[1:]])
+enter("venv-chain", ["casadi==3.8.2", "wrenfold==0.5.3", "sympy==1.14.0", "pin==4.1.0"])
 
 import casadi
 import sympy

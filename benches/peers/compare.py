@@ -20,15 +20,14 @@ With `--lanes`: 10,000 double pendulums on one thread, ours in lanes against hey
 
 import argparse
 import math
-import os
 import statistics
 import subprocess
-import sys
 import time
 from pathlib import Path
 
+from environment import enter
+
 HERE = Path(__file__).resolve().parent
-VENV = HERE / "target" / "venv"
 ERRORS = [1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12]
 OURS = ["DOP853", "Verner9"]
 CHAIN_END = 10.0
@@ -43,12 +42,7 @@ what.add_argument("--lanes", action="store_true", help="lanes against batches")
 ASKED = parser.parse_args()
 ROUNDS = ASKED.rounds
 
-if Path(sys.prefix) != VENV:
-    python = VENV / "bin" / "python"
-    if not python.exists():
-        subprocess.run([sys.executable, "-m", "venv", VENV], check=True)
-        subprocess.run([python, "-m", "pip", "install", "-q", "heyoka", "numpy", "scipy", "sympy"], check=True)
-    os.execv(python, [python, __file__, *sys.argv[1:]])
+enter("venv", ["heyoka", "numpy", "scipy", "sympy"])
 
 import heyoka
 import numpy

@@ -67,7 +67,7 @@ where
         if t > start.t {
             let run = integrate(&system, Gauss6, FixedStep::new(5e-4), start).until(t);
             let end = run.final_state().expect("a regular motion");
-            // Of the two parameters of an attitude the shorter ones.
+            // The shorter ones of the two parameters of each attitude.
             let [end, exact] = [end, exact].map(|at| {
                 Sys::ATTITUDES.iter().fold(at, |at, first| {
                     at.with_attitude(*first, &at.attitude(*first), &at.angular_velocity(*first))
