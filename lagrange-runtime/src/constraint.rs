@@ -4,7 +4,7 @@ use crate::diagnosis::is_finite;
 use crate::failure::Failure;
 use crate::iteration::{Iteration, Progress, chosen};
 use crate::lanes::Work;
-use crate::linear::ldlt;
+use crate::linear::{dot, ldlt};
 use crate::scalar::{Comparison, Real, Scalar, SimdScalar};
 use crate::state::{Begun, Restored, State, constant};
 use crate::system::{Lagrangian, System, at_states};
@@ -371,17 +371,7 @@ where
 {
     let mut state = *guess;
     for _ in 0..MOST_DAMPED {
-        let (Ok(inertia), a) = (
-            ldlt(&system.inertia(&state.q, &state.qd, state.t)),
-            system.constraint_jacobian(&state.q, state.t),
-        ) else {
-            break;
-        };
-        let responses: [SVector<Sys::Scalar, N>; M] =
-            core::array::from_fn(|j| inertia.solve(&SVector::from_fn(|i, _| a[(j, i)])));
-        let product =
-            |i: usize, j: usize| (0..N).fold(Scalar::zero(), |sum, k| sum + a[(i, k)] * responses[j][k]);
-        let mut products = SMatrix::<Sys::Scalar, M, M>::from_fn(product);
+        let Some((responses, mut products)) = responses(system, &state) else { break };
         let largest = (0..M).map(|j| products[(j, j)].to_f64()).fold(0.0, f64::max);
         (0..M).for_each(|j| products[(j, j)] += Sys::Scalar::from_f64(DAMPING * largest));
         let Ok(products) = ldlt(&products) else { break };
@@ -389,4 +379,20 @@ where
         state.q += (0..M).fold(constant(Scalar::zero()), |sum, j| sum + responses[j] * forces[j]);
     }
     state
+}
+
+/// `M⁻¹ aⱼ` and `aᵢ M⁻¹ aⱼ` of the gradients, if the inertia matrix is regular.
+fn responses<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+) -> Option<([SVector<Sys::Scalar, N>; M], SMatrix<Sys::Scalar, M, M>)>
+where
+    Sys::Scalar: Real,
+{
+    let inertia = ldlt(&system.inertia(&at.q, &at.qd, at.t)).ok()?;
+    let a = system.constraint_jacobian(&at.q, at.t);
+    let row = |j: usize| SVector::<_, N>::from_fn(|i, _| a[(j, i)]);
+    let responses: [_; M] = core::array::from_fn(|j| inertia.solve(&row(j)));
+    let products = SMatrix::from_fn(|i, j| dot(&row(i), &responses[j]));
+    Some((responses, products))
 }

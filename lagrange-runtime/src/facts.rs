@@ -44,8 +44,8 @@ pub struct Facts {
     pub blocks: &'static [&'static [usize]],
     /// Dimensionless groups of the parameters: products of powers, by name and exponent. Systems that agree in all of
     /// them have the same motions but for units, so a study has to vary these alone (Buckingham, Phys. Rev. 4 (1914)
-    /// 345). Numbers in the text of the system count as dimensionless. Each parameter is a group where the compiler does
-    /// not know better, as in systems of tens of thousands of operations.
+    /// 345). Numbers in the text of the system count as dimensionless. Each parameter is a group where the compiler
+    /// does not know better, as in systems of tens of thousands of operations.
     pub dimensionless_groups: &'static [&'static [(&'static str, i32)]],
     /// Changes of scale that take motions to motions of the same system.
     pub similarities: &'static [Similarity],

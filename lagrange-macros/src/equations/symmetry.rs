@@ -227,7 +227,7 @@ fn components(first: usize) -> [[Symbol; 3]; 2] {
 }
 
 impl At<'_> {
-    /// How values change with what is moved, and with all that is made of it.
+    /// Changes of values with what is moved, and with all that is made of it.
     fn moved(&self, g: &mut Graph, moves: &Moves, values: &[Value]) -> Vec<Value> {
         let count = self.model.bindings.len();
         let (mut places, mut rates) = (vec![Value::ZERO; count], vec![Value::ZERO; count]);

@@ -74,7 +74,7 @@ pub use branch::{Bifurcation, BifurcationKind, Branch, BranchPoint, Heading, Pat
 ///   of the cubic ones, by which a transcritical branch point differs from a pitchfork. A curve that is lost to
 ///   rounding ends in [`AnalysisError::Unresolved`].
 ///
-/// Of an attitude, steps begin with the shorter parameters, as those of a run do: from one point to the next they may
+/// Steps begin with the shorter parameters of an attitude, as those of a run do: from one point to the next they may
 /// jump, while the attitude does not.
 ///
 /// K need not be symmetric and damping may have either sign: see [`BranchPoint::stability`] and

@@ -1,7 +1,7 @@
 //! Constraints that are dependent at a state: how far they are from it, and which of them follow from others.
 
-use super::Constrained;
 use super::branches::undetermined;
+use super::{Constrained, responses};
 use crate::diagnosis::{BRINK, MAX_MATRIX_BYTES, beside};
 use crate::failure::{Cause, Dependence, Failure};
 use crate::linear::{dot, ldlt};
@@ -170,16 +170,7 @@ fn products<Sys: Constrained<N, M>, const N: usize, const M: usize>(
 where
     Sys::Scalar: Real,
 {
-    let inertia = ldlt(&system.inertia(&at.q, &at.qd, at.t)).ok()?;
-    let a = system.constraint_jacobian(&at.q, at.t);
-    let row = |j: usize| SVector::<_, N>::from_fn(|i, _| a[(j, i)]);
-    let mut products = SMatrix::<f64, M, M>::zeros();
-    for j in 0..M {
-        let x = inertia.solve(&row(j));
-        for i in 0..M {
-            products[(i, j)] = dot(&row(i), &x).to_f64();
-        }
-    }
+    let products = responses(system, at)?.1.map(|x| x.to_f64());
     let metric = (0..M).all(|j| products[(j, j)] >= -BRINK * products.amax());
     (metric && products.iter().all(|x| x.is_finite())).then_some(products)
 }

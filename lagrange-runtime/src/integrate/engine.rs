@@ -516,12 +516,9 @@ where
             let q = at.q + at.qd * (h * Sys::Scalar::from_f64(part));
             system.independence(&self.reference, &State { q, ..*at }) < NEARLY_DEPENDENT
         };
-        if self.across[1] {
-            return Ok(false);
-        }
-        if self.set_out < 0.0 && dependent(0.0)
-            || ![0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].into_iter().any(dependent)
-        {
+        let turned_back = || self.set_out < 0.0 && dependent(0.0);
+        let is_near = || [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].into_iter().any(dependent);
+        if self.across[1] || turned_back() || !is_near() {
             return Ok(false);
         }
         system.determined(&self.start, &self.state)?;
