@@ -130,7 +130,7 @@ impl<S: Scalar, const N: usize> State<S, N> {
     /// q̇ᵢ λ^(aᵢ − b).
     ///
     /// # Hypotheses
-    /// - λ > 0; else the result is NaN where an exponent is odd.
+    /// - λ > 0; else the result is no state of a motion.
     /// - `by` is one of the [`Facts::similarities`](crate::traits::Facts) of the system.
     ///
     /// ```

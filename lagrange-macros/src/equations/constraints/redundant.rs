@@ -82,7 +82,7 @@ pub fn examined(
         (Some(least), Some(_)) if least == m && !declared => return Ok(None),
         (None, _) if m >= n && !declared && !driven => {
             let message = format!(
-                "{m} constraints on {n} coordinates leave no motion to find\nhelp: use fewer constraints, or more coordinates; of a mechanism that moves for special values of its parameters, write `redundant constraint {}: …`",
+                "{m} constraints on {n} coordinates leave no motion to find\nhelp: use fewer constraints, or more coordinates; a drive is a function of time, `coord a = w * t;`; of a mechanism that moves for special values of its parameters, write `redundant constraint {}: …`",
                 constraints[n - 1].name
             );
             return Err(errors.push(&constraints[n - 1].name, message));
