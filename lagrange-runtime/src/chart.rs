@@ -22,8 +22,11 @@ use std::path::Path;
 
 mod animation;
 mod axis;
+mod breakdown;
+mod cells;
 mod error;
 mod font;
+mod frontier;
 mod ink;
 mod layout;
 mod map;
@@ -38,6 +41,7 @@ mod sheet;
 mod svg;
 
 pub use animation::{Animation, Part, Shape};
+pub use breakdown::Breakdown;
 pub use map::{Cell, Map};
 pub use panels::Panels;
 

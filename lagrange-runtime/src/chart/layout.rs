@@ -1,6 +1,7 @@
 //! Layout of a chart, in pixels: the data get what the labels and the legend beside it leave.
 
 use super::axis::Ruler;
+use super::cells::Lattice;
 use super::font::Font;
 use super::{Chart, Scale, Series, Style};
 
@@ -112,16 +113,22 @@ fn y_labels(chart: &Chart, height: f64) -> f64 {
     height / if chart.y.scale == Scale::Log { 22.0 } else { 48.0 }
 }
 
-/// The smallest extents that hold every point that can be drawn, with air.
+/// The smallest extents that hold every point that can be drawn, with air, and all cells.
 #[allow(clippy::type_complexity)]
 fn extents(chart: &Chart) -> Option<((f64, f64), (f64, f64))> {
-    let places =
-        chart.series.iter().flat_map(|series| &series.points).filter_map(|&point| chart.place(point));
+    let others = chart.series.iter().filter(|series| series.style != Style::Cells);
+    let places = others.flat_map(|series| &series.points).filter_map(|&point| chart.place(point));
     let grow = |(low, high): (f64, f64), place: f64| (low.min(place), high.max(place));
-    let ((x_low, x_high), (y_low, y_high)) = places
-        .map(|(x, y)| ((x, x), (y, y)))
-        .reduce(|(x, y), ((px, _), (py, _))| (grow(x, px), grow(y, py)))?;
-    Some((chart.x.extent(x_low, x_high), chart.y.extent(y_low, y_high)))
+    let points =
+        places.map(|(x, y)| ((x, x), (y, y))).reduce(|(x, y), ((px, _), (py, _))| (grow(x, px), grow(y, py)));
+    let curves = points.map(|(x, y)| (chart.x.extent(x.0, x.1), chart.y.extent(y.0, y.1)));
+    let cells = Lattice::of(chart).map(|lattice| lattice.extents());
+    let both = |a: (f64, f64), b: (f64, f64)| (a.0.min(b.0), a.1.max(b.1));
+    match (curves, cells) {
+        (Some((x, y)), Some([cells_x, cells_y])) => Some((both(x, cells_x), both(y, cells_y))),
+        (None, Some([x, y])) => Some((x, y)),
+        (curves, None) => curves,
+    }
 }
 
 fn widened((low, high): (f64, f64), span: f64) -> (f64, f64) {

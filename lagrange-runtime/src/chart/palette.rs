@@ -1,5 +1,6 @@
 //! How series are told apart: by colour, by dashes and by markers, so that any one of the three is enough.
 
+use super::cells::shades;
 use super::series::{Series, Style};
 use plotters::style::RGBColor;
 
@@ -94,8 +95,10 @@ pub(super) const CONTEXT: Look =
 /// The looks of the series, in their order.
 pub(super) fn looks(series: &[Series]) -> Vec<Look> {
     let mut shown = 0..;
+    let mut shades = shades(series.iter().filter(|series| series.style == Style::Cells).count());
     let next = |series: &Series| match series.style {
         Style::Context => CONTEXT,
+        Style::Cells => shades.next().map_or(CONTEXT, |colour| Look { colour, ..CONTEXT }),
         _ => shown.next().map_or(CONTEXT, look),
     };
     series.iter().map(next).collect()

@@ -1,6 +1,7 @@
 //! The drawing itself.
 
 use super::axis::Ruler;
+use super::cells::Lattice;
 use super::ink::{
     Canvas, Drawn, FAINT, FINE, INK, LINE, MARKER, Pixel, dot, fine, line, marker, write, write_upwards,
 };
@@ -35,6 +36,15 @@ fn paint(chart: &Chart, layout: &Layout, canvas: &Canvas) -> Drawn {
     let (x, y) = (&layout.x, &layout.y);
     let data = ChartBuilder::on(&area).build_cartesian_2d(x.low..x.high, y.low..y.high)?;
     grid(chart, layout, canvas, |x, y| data.backend_coord(&(x, y)))?;
+    if let Some(lattice) = Lattice::of(chart) {
+        for (series, look) in
+            chart.series.iter().zip(&looks).filter(|(series, _)| series.style == Style::Cells)
+        {
+            for place in series.points.iter().filter_map(|&point| chart.place(point)) {
+                lattice.paint(canvas, place, look.colour, |x, y| data.backend_coord(&(x, y)))?;
+            }
+        }
+    }
     axes(layout, canvas, |x, y| data.backend_coord(&(x, y)))?;
     let pixels = |point| chart.place(point).map(|place| data.backend_coord(&place));
     let drawn: Vec<Vec<Option<Pixel>>> = chart
@@ -48,7 +58,7 @@ fn paint(chart: &Chart, layout: &Layout, canvas: &Canvas) -> Drawn {
         all().partition(|((series, _), _)| series.style == Style::Context);
     for ((series, look), points) in context.into_iter().chain(others) {
         let width = match series.style {
-            Style::Markers => continue,
+            Style::Markers | Style::Cells => continue,
             Style::Context => FAINT,
             Style::Line | Style::LineAndMarkers => LINE,
         };
@@ -59,7 +69,7 @@ fn paint(chart: &Chart, layout: &Layout, canvas: &Canvas) -> Drawn {
     for (index, ((series, &look), points)) in all().enumerate() {
         let points: Vec<Pixel> = points.iter().flatten().copied().collect();
         match series.style {
-            Style::Line | Style::Context => {}
+            Style::Line | Style::Context | Style::Cells => {}
             Style::Markers if are_dots(series) => {
                 points.iter().try_for_each(|&at| dot(canvas, at, 1.3, look))?;
             }
@@ -155,12 +165,16 @@ fn legend(chart: &Chart, layout: &Layout, looks: &[Look], canvas: &Canvas) -> Dr
         let (look, style) = (looks[*index], chart.series[*index].style);
         let left = layout.legend;
         let height = fine(top + 0.5 * LEGEND_LINE);
-        if style != Style::Markers {
+        if style == Style::Cells {
+            let (across, up) = (fine(left + SAMPLE), fine(0.42 * LEGEND_LINE));
+            let corners = [(fine(left), height - up), (across, height + up)];
+            canvas.draw(&Rectangle::new(corners, look.colour.filled()))?;
+        } else if style != Style::Markers {
             line(canvas, [(fine(left), height), (fine(left + SAMPLE), height)], look, LINE)?;
         }
         let middle = (fine(left + 0.5 * SAMPLE), height);
         match style {
-            Style::Line | Style::Context => {}
+            Style::Line | Style::Context | Style::Cells => {}
             Style::Markers if are_dots(&chart.series[*index]) => dot(canvas, middle, MARKER, look)?,
             _ => marker(canvas, middle, look)?,
         }

@@ -23,6 +23,9 @@ pub enum Style {
     Markers,
     /// A thin grey line below the others, without an entry in the legend: what the others are compared with.
     Context,
+    /// Cells of a map about the points, coloured by their series; all cells of a chart have one lattice, and the series
+    /// are in order from light to dark.
+    Cells,
 }
 
 impl Series {
@@ -45,6 +48,11 @@ impl Series {
     /// Markers without a line.
     pub fn markers(name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         Self { style: Style::Markers, ..Self::new(name, points) }
+    }
+
+    /// Cells of a map about the points.
+    pub fn cells(name: impl Into<String>, points: impl IntoIterator<Item = (f64, f64)>) -> Self {
+        Self { style: Style::Cells, ..Self::new(name, points) }
     }
 
     /// A thin grey line below the others, without an entry in the legend.
