@@ -14,7 +14,7 @@ mod four_bar;
 mod motor;
 #[path = "../examples/quadrotor.rs"]
 mod quadrotor;
-#[path = "../examples/smaller_models.rs"]
+#[path = "../examples/smaller_models/main.rs"]
 mod smaller_models;
 #[path = "../examples/spherical_pendulum.rs"]
 mod spherical_pendulum;
@@ -37,7 +37,7 @@ fn a_chain_on_a_cart() {
 
 #[test]
 fn smaller_models_hold_and_break_down() {
-    smaller_models::main().unwrap();
+    smaller_models::draw(5).unwrap();
 }
 
 #[test]

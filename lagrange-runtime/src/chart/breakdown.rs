@@ -10,16 +10,16 @@ use std::path::Path;
 /// ```
 /// use lagrange_runtime::chart::{Axis, Breakdown};
 /// // Terms of the sine's series as models of it.
-/// let axes = [Axis::log("angle", "rad"), Axis::log("factor", "")];
+/// let axes = [Axis::log("factor", ""), Axis::log("angle", "rad")];
 /// let mut map = Breakdown::new("Sine", axes, ["first order", "third order", "sine"], 0.01);
 /// for angle in [0.1, 0.3, 1.0f64] {
 ///     for factor in [0.1, 1.0, 10.0] {
 ///         let sine = angle.sin();
 ///         let models = [angle, angle - angle.powi(3) / 6.0, sine];
-///         map = map.with((angle, factor), models.map(|model| factor * (model - sine).abs()));
+///         map = map.with((factor, angle), models.map(|model| factor * (model - sine).abs()));
 ///     }
 /// }
-/// assert_eq!((map.limit(0, 1.0), map.limit(1, 1.0)), (Some(0.1), Some(1.0)));
+/// assert_eq!((map.limit(0, 1.0), map.limit(1, 1.0)), (Some(0.3), Some(1.0)));
 /// assert!(map.svg()?.contains("<svg"));
 /// # Ok::<(), lagrange_runtime::chart::ChartError>(())
 /// ```

@@ -24,15 +24,21 @@ impl Chart {
     }
 
     /// The chart with all of its series in grey, and in front of them the [frontier](Self::frontier): for each series
-    /// that has a part in it, its points there.
+    /// that has a part in it, its points there, joined where no other series is better between them.
     #[must_use]
     pub fn with_frontier(self) -> Self {
         let mut front: Vec<Series> = Vec::new();
+        let mut last = None;
         for (name, point) in self.frontier() {
             match front.iter_mut().find(|series| series.name == name) {
-                Some(series) => series.points.push(point),
+                Some(series) => {
+                    // Lines end where another series is better.
+                    series.points.extend((last != Some(name)).then_some((f64::NAN, f64::NAN)));
+                    series.points.push(point);
+                }
                 None => front.push(Series::new(name, [point])),
             }
+            last = Some(name);
         }
         let grey = self.series.into_iter().map(|series| Series { style: Style::Context, ..series });
         Chart { series: grey.chain(front).collect(), ..self }
@@ -53,9 +59,14 @@ mod tests {
         let front =
             [("small", (1.0, 0.1)), ("small", (2.0, 0.02)), ("whole", (4.0, 0.01)), ("whole", (8.0, 1e-6))];
         assert_eq!(chart.frontier(), front);
-        let drawn = chart.with_frontier();
-        assert_eq!(drawn.series.len(), 5);
-        assert_eq!(drawn.series[4], Series::new("whole", [(4.0, 0.01), (8.0, 1e-6)]));
-        assert_eq!(drawn.series[3].points.len(), 2);
+        let drawn = chart.with(Series::new("tiny", [(3.0, 0.019)])).with_frontier();
+        assert_eq!(drawn.series.len(), 7);
+        assert_eq!(drawn.series[4].points.len(), 2);
+        assert_eq!(drawn.series[6], Series::new("whole", [(4.0, 0.01), (8.0, 1e-6)]));
+        let gap = Chart::new("", Axis::log("", ""), Axis::log("", ""))
+            .with(Series::new("a", [(1.0, 1.0), (3.0, 0.1)]))
+            .with(Series::new("b", [(2.0, 0.5)]))
+            .with_frontier();
+        assert!(gap.series[2].points[1].0.is_nan() && gap.series[2].points.len() == 3);
     }
 }
