@@ -60,6 +60,8 @@ pub enum Symbol {
     Given(usize),
     /// Momentum of an ignorable coordinate: a number for as long as a Taylor series holds.
     Conserved(usize),
+    /// d = c + ½ and v of half the quaternions of the attitudes, four of each, which have series of their own.
+    Quaternion(usize),
     /// A number of the parameters, arrays counted one by one.
     Parameter(usize),
     /// The side of a switch on which the motion is, ±1: a number for as long as a Taylor series holds.

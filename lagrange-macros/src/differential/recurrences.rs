@@ -39,11 +39,15 @@ pub fn coefficients(
         kept.for_each(|((i, _), a)| qd[level + 1][*i] = a / (level + 1) as f64);
         let velocities = recurrence.velocities.iter().zip(&found[recurrence.accelerations.len()..]);
         velocities.for_each(|((i, _), v)| qd[level][*i] = *v);
+        let place = recurrence.accelerations.len() + recurrence.velocities.len();
+        let coordinates = recurrence.coordinates.iter().zip(found.get(place..).unwrap_or_default());
+        // (That of order 1 is given.)
+        coordinates.filter(|_| level > 1).for_each(|((i, _), x)| qd[level - 1][*i] = level as f64 * x);
     };
     let [first, mut before, found] = unpacked(start);
     advance(&mut qd, 0, &found);
     let mut by_order = vec![first];
-    for level in 1..=orders {
+    for level in 1..=orders + usize::from(!recurrence.coordinates.is_empty()) {
         let inner = |[a, b]: [usize; 2]| -> f64 {
             let product = |j: usize| noise.apply(by_order[j][a] * by_order[level - j][b]);
             // At order 2 orders 1 and k − 1 are the same, and stand here.

@@ -149,9 +149,11 @@ impl Names {
             Symbol::Order(input) => return coefficient(input),
             Symbol::Acceleration(i) => &self.accelerations[i],
             Symbol::Multiplier(i) => &self.multipliers[i],
-            Symbol::Reaction(_) | Symbol::Binding(_) | Symbol::Rate(_) | Symbol::Conserved(_) => {
-                unreachable!("substituted before emission")
-            }
+            Symbol::Reaction(_)
+            | Symbol::Binding(_)
+            | Symbol::Rate(_)
+            | Symbol::Conserved(_)
+            | Symbol::Quaternion(_) => unreachable!("substituted before emission"),
         };
         name.to_string()
     }

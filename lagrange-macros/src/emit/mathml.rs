@@ -91,6 +91,7 @@ impl<'a> Writer<'a> {
             | Symbol::Reaction(_)
             | Symbol::Given(_)
             | Symbol::Conserved(_)
+            | Symbol::Quaternion(_)
             | Symbol::Order(_)
             | Symbol::Side(_) => "<mi>?</mi>".into(),
         }

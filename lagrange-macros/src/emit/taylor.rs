@@ -48,6 +48,7 @@ struct Order {
     memory: Vec<String>,
     accelerations: Vec<String>,
     velocities: Vec<String>,
+    coordinates: Vec<String>,
     switching: Vec<String>,
 }
 
@@ -60,7 +61,8 @@ impl Order {
             memory: next(recurrence.memory.len()),
             switching: next(recurrence.switching.len()),
             accelerations: next(recurrence.accelerations.len()),
-            velocities: results.collect(),
+            velocities: next(recurrence.velocities.len()),
+            coordinates: results.collect(),
         }
     }
 
@@ -172,9 +174,11 @@ impl Emitter<'_> {
                 motion, &mut switching
             )
         };
-        // Accelerations give velocities one order further than velocities that are found themselves.
-        let end =
-            if recurrence.velocities.is_empty() { quote!(order.min(K)) } else { quote!((order + 1).min(K)) };
+        let end = match recurrence.further_orders() {
+            0 => quote!(order.min(K)),
+            1 => quote!((order + 1).min(K)),
+            _ => quote!((order + 2).min(K)),
+        };
         let orders = if recurrence.straight() {
             // Vectors need no straight lines, which would take long to compile.
             quote! {
@@ -187,10 +191,11 @@ impl Emitter<'_> {
         } else {
             quote!(for level in 1..#end { #call; })
         };
-        let after = (!recurrence.velocities.is_empty() && !kept.is_empty()).then(|| {
+        let beyond = self.beyond(recurrence);
+        let after = (!beyond.is_empty()).then(|| {
             quote! {
                 if order + 2 < K {
-                    #(motion.q[order + 2][#kept] = S::zero();)*
+                    #(motion.q[order + 2][#beyond] = S::zero();)*
                 }
             }
         });
@@ -261,6 +266,11 @@ impl Emitter<'_> {
         let [newest, memory, accelerations, velocities] =
             [&next.factors, &next.memory, &next.accelerations, &next.velocities]
                 .map(|all| tokens(&list(all)));
+        let coordinates = (!next.coordinates.is_empty()).then(|| {
+            let (values, which) =
+                (tokens(&list(&next.coordinates)), recurrence.coordinates.iter().map(|c| c.0));
+            quote!(motion.push_coordinates_of(level, &[#(#which),*], #values);)
+        });
         let switching = (!next.switching.is_empty()).then(|| {
             let values = tokens(&list(&next.switching));
             quote!(switching[level] = #runtime::series::Sides(#values);)
@@ -302,6 +312,7 @@ impl Emitter<'_> {
                 #statements
                 let (accelerations, velocities) = (#accelerations, #velocities);
                 #switching
+                #coordinates
                 *before = #memory;
                 let newest = #newest;
                 if S::WIDE {
@@ -318,6 +329,16 @@ impl Emitter<'_> {
                 let further = motion.push_of(level, &[#(#kept),*], accelerations);
                 *rates = #rates;
             }
+        }
+    }
+
+    /// Coordinates that have a coefficient more than was asked for, since others take a further order.
+    fn beyond(&self, recurrence: &Recurrence) -> Vec<usize> {
+        debug_assert!(recurrence.coordinates.is_empty() || recurrence.accelerations.is_empty());
+        match recurrence.further_orders() {
+            0 => Vec::new(),
+            1 => recurrence.kept(),
+            _ => recurrence.velocities.iter().map(|v| v.0).collect(),
         }
     }
 

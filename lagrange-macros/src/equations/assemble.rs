@@ -185,7 +185,8 @@ pub struct Attitude {
     pub at: Parameters,
 }
 
-pub fn unreduced(g: &mut Graph, form: &Form) -> Unreduced {
+/// The equations with values and rates of the bindings as they are given.
+pub fn unreduced(g: &mut Graph, form: &Form, flat: &[[Value; 2]]) -> Unreduced {
     let (bound, n) = (form.bindings.len(), form.coordinates);
     let positions: Vec<Symbol> =
         (0..bound).map(Symbol::Binding).chain((0..n).map(Symbol::Coordinate)).collect();
@@ -255,17 +256,16 @@ pub fn unreduced(g: &mut Graph, form: &Form) -> Unreduced {
     });
     let attitudes = attitudes.collect();
 
-    // From here on in terms of q and q̇ alone.
-    let flat = flatten(g, &form.bindings);
+    // From here on without bindings.
     Unreduced {
         bound,
         coordinates: n,
-        e: flattened(g, &flat, &e),
-        gamma: flattened(g, &flat, &gamma),
-        hessian: hessian.iter().map(|row| flat_row(g, &flat, row)).collect(),
-        tangents: tangents.iter().map(|row| flat_row(g, &flat, row)).collect(),
-        rows: rows.iter().map(|row| flat_row(g, &flat, row)).collect(),
-        drift: flattened(g, &flat, &drift),
+        e: flattened(g, flat, &e),
+        gamma: flattened(g, flat, &gamma),
+        hessian: hessian.iter().map(|row| flat_row(g, flat, row)).collect(),
+        tangents: tangents.iter().map(|row| flat_row(g, flat, row)).collect(),
+        rows: rows.iter().map(|row| flat_row(g, flat, row)).collect(),
+        drift: flattened(g, flat, &drift),
         attitudes,
     }
 }

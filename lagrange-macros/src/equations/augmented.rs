@@ -188,7 +188,7 @@ impl Factors {
     }
 
     /// The same with ω̇ less its γ in the place of the accelerations of attitudes.
-    fn eliminated<A: Arithmetic>(&self, a: &mut A, mut b: Vec<A::Number>) -> Vec<A::Number> {
+    pub fn eliminated<A: Arithmetic>(&self, a: &mut A, mut b: Vec<A::Number>) -> Vec<A::Number> {
         for step in &self.steps {
             match step {
                 Elimination::Single { x, l, .. } => {

@@ -20,7 +20,7 @@ pub fn sample(symbol: Symbol, trial: u64, salt: u64) -> f64 {
         Symbol::Parameter(i) => (3, i),
         Symbol::Acceleration(i) | Symbol::Momentum(i) | Symbol::Binding(i) | Symbol::Rate(i) => (4, i),
         Symbol::Multiplier(i) | Symbol::Reaction(i) | Symbol::Given(i) | Symbol::Side(i) => (5, i),
-        Symbol::Conserved(i) => (6, i),
+        Symbol::Conserved(i) | Symbol::Quaternion(i) => (6, i),
         Symbol::Order(_) => (7, 0),
     };
     let place = kind * 1_000_003 + index as u64 * 7919 + trial * 104_729 + salt * 15_485_863;

@@ -84,7 +84,7 @@ pub fn formed(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Forme
     let energy_function = g.sub(pv, lagrangian);
 
     written.constraints = rows.written(&model.constraints);
-    let unreduced = unreduced(g, &written);
+    let unreduced = unreduced(g, &written, &flat);
     let systems = systems(g, &unreduced, (!written.bindings.is_empty()).then_some(&expanded), &rows);
     let damping =
         (0..n).map(|i| g.forward(&[friction[i]], |s| (s == velocities[i]).then_some(Value::ONE))[0]);
@@ -117,7 +117,7 @@ pub fn formed(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Forme
 /// M and f − b in all forms, of which the first is that of the equations as they were written.
 fn systems(g: &mut Graph, written: &Unreduced, expanded: Option<&Form>, rows: &Rows) -> Vec<System> {
     let few = written.coordinates <= MAX_EXPANDED_COORDINATES;
-    let expanded = expanded.filter(|_| few).map(|form| unreduced(g, form));
+    let expanded = expanded.filter(|_| few).map(|form| unreduced(g, form, &[]));
     let mut systems = Vec::new();
     for (at, form) in [written].into_iter().chain(&expanded).zip(["as written", "bindings expanded"]) {
         let (inertia, right) = pulled_back(g, at);

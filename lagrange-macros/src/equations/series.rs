@@ -22,6 +22,7 @@
 //! as common factors and common parts leave of them (`graph/gather.rs`).
 
 mod accelerations;
+mod attitudes;
 mod bindings;
 mod conserved;
 mod form;
@@ -46,6 +47,7 @@ use crate::graph::{Function, Graph, Node, Symbol, Value};
 use crate::model::Model;
 use crate::program::Program;
 use accelerations::Accelerations;
+use attitudes::Attitudes;
 use form::{Form, Known};
 use matrix::Matrix;
 use orders::Orders;
@@ -96,11 +98,11 @@ pub fn series(
     quantities: &Quantities,
     facts: &Facts,
 ) -> Option<Series> {
-    let (forms, switches) = forms(g, &Known { model, formed, solved, quantities, facts });
-    let n = solved.accel.len();
+    let known = Known { model, formed, solved, quantities, facts };
+    let (forms, switches) = forms(g, &known);
     let (mut tried, mut recurrences) = (Vec::new(), Vec::new());
     for (way, form, values) in forms {
-        let Some(mut orders) = Orders::new(g, n, &[&values[..], &switches].concat()) else { continue };
+        let Some(mut orders) = Orders::new(g, &[&values[..], &switches].concat()) else { continue };
         let motion = form.advance(&values, &mut orders);
         let recurrence = orders.finish(motion, &switches);
         tried.push(Tried { way, cost: 0, is_bound: true });
@@ -114,8 +116,10 @@ pub fn series(
     let first = [program.constants.clone(), recurrence.first()].concat();
     let has_roots = g.has_roots(&values);
     // Momenta that are conserved are numbers that the first state gives.
-    let momentum = |s| if let Symbol::Conserved(i) = s { Some(quantities.momenta[i]) } else { None };
-    let start = g.substitute(&first, momentum);
+    let start = g.substitute(&first, |s| match s {
+        Symbol::Conserved(i) => Some(quantities.momenta[i]),
+        _ => Attitudes::at_start(&known, s),
+    });
     Some(Series { recurrence, program, start, tried, switches, has_roots })
 }
 
@@ -190,7 +194,7 @@ fn forms(g: &mut Graph, known: &Known) -> (Vec<Candidate>, Vec<Value>) {
             let momenta = momenta::forms(g, formed, &solution).into_iter();
             forms.extend(momenta.map(|form| -> Rc<dyn Form> { Rc::new(form) }));
         }
-        bindings = bindings::form(g, known);
+        bindings = bindings::form(g, known).map(|form| -> Rc<dyn Form> { Rc::new(form) });
         if n <= MAX_EXPANDED_COORDINATES {
             forms
                 .extend(conserved::forms(g, known).into_iter().map(|form| -> Rc<dyn Form> { Rc::new(form) }));
@@ -198,6 +202,10 @@ fn forms(g: &mut Graph, known: &Known) -> (Vec<Candidate>, Vec<Value>) {
     }
     if bindings.is_none() || !at_bindings {
         forms.insert(place, Rc::new(Accelerations(accel.to_vec())));
+    }
+    // With attitudes these have common factors as well.
+    if !formed.unreduced.attitudes.is_empty() {
+        forms.extend(bindings.take());
     }
     let mut all: Vec<Candidate> = Vec::new();
     if switches.is_empty() && n <= MAX_EXPANDED_COORDINATES {
@@ -209,7 +217,7 @@ fn forms(g: &mut Graph, known: &Known) -> (Vec<Candidate>, Vec<Value>) {
             }
         }
     }
-    forms.extend(bindings.map(|form| -> Rc<dyn Form> { Rc::new(form) }));
+    forms.extend(bindings);
     let written = forms.into_iter().map(|form| (form.name().into(), Rc::clone(&form), form.values()));
     (written.chain(all).collect(), switches)
 }

@@ -13,6 +13,7 @@
 use super::assemble::flattened;
 use super::formed::Formed;
 use crate::graph::{Graph, Symbol, Value};
+use crate::model::attitude::axes;
 use crate::model::frames::{Vector, cross};
 use crate::model::{Attitude, Model};
 use crate::syntax::Kind;
@@ -213,11 +214,6 @@ impl Moves {
 
 fn unit(axis: usize) -> Vector {
     std::array::from_fn(|k| if k == axis { Value::ONE } else { Value::ZERO })
-}
-
-/// The axes of a rotation by rows, of which its spin is followed.
-fn axes(spin: [usize; 3]) -> [[Symbol; 3]; 3] {
-    [0, 1, 2].map(|r| [0, 1, 2].map(|k| Symbol::Binding(spin[2] + 1 + 3 * r + k)))
 }
 
 /// The components of a point, and their rates.

@@ -146,3 +146,50 @@ fn chains_on_ball_joints_cost_a_constant_number_a_body() {
     // As many are emitted.
     assert_eq!(agreed("eight", &chain(8)).0.arithmetic(), 5106);
 }
+
+/// Products of series, and operations, of an order of the series of bodies that turn.
+#[test]
+fn series_of_attitudes_have_few_products() {
+    let chain = |n: usize| {
+        format!(
+            "const N = {n};
+            coord R: [rotation; N];
+            let link: [N] = |i| frame(
+                if i == 0 {{ world }} else {{ link[i - 1] }},
+                if i == 0 {{ [0, 0, 0] }} else {{ [0, 0, -1] }},
+                R[i]
+            );
+            let bob: [N] = |i| frame(link[i], [0.01, 0.02, -0.5]);
+            T = (0..N).map(|i| body(1, [0.1, 0.11, 0.01], bob[i])).sum();
+            V = (0..N).map(|i| 9.81 * bob[i].origin()[2]).sum();"
+        )
+    };
+    let (two, eight) = (chain(2), chain(8));
+    let free = "param A, B, C; coord R: rotation; T = body(1, [A, B, C], frame(world, [0, 0, 0], R)); V = 0;";
+    let heavy = "param m, A, B, C, l, g; coord R: rotation; let hull = frame(world, [0, 0, 0], R);
+        T = body(m, [A, B, C], frame(hull, [0, 0, l])); V = m * g * l * hull.vector([0, 0, 1])[2];";
+    let torque = "param m, A, B, C, l, g; coord R: rotation; T = body(1, [A, B, C], frame(world, [0, 0, 0], R)); V = 0;
+        Q[R] = R.inverse() * [m, g * t, l];";
+    let place = "param m, A, B, C, g; coord x: [3], R: rotation; T = body(m, [A, B, C], frame(world, x, R));
+        V = m * g * x[2];";
+    let systems = [
+        ("free body", free, [18, 169]),
+        ("heavy top", heavy, [24, 228]),
+        ("torque by axes of the world", torque, [30, 292]),
+        ("in space", place, [18, 172]),
+        ("two on ball joints", &two, [101, 1020]),
+        ("eight on ball joints", &eight, [527, 6218]),
+    ];
+    let mut wrong = Vec::new();
+    for (name, body, known) in systems {
+        let system = solved(input(&format!("lagrangian! {{ pub system Body {{ {body} }} }}")));
+        let series = system.equations.series.as_ref().expect("a series");
+        let found = [series.recurrence.convolutions.len(), series.program.operations().arithmetic()];
+        println!("{name}: {found:?}");
+        for tried in &series.tried {
+            println!("  {}: {}{}", tried.way, tried.cost, if tried.is_bound { " at least" } else { "" });
+        }
+        wrong.extend((found != known).then_some(name));
+    }
+    assert!(wrong.is_empty(), "{wrong:?}");
+}

@@ -3,7 +3,7 @@
 use super::arithmetic::agreed;
 use super::{defined, input, solved};
 use crate::diagnostics::Errors;
-use crate::equations::assemble::{Form, pulled_back, unreduced};
+use crate::equations::assemble::{Form, flatten, pulled_back, unreduced};
 use crate::equations::augmented::{ORDERS, factors};
 use crate::equations::check::sample;
 use crate::equations::solve::entry;
@@ -72,7 +72,8 @@ pub(super) fn difference(input: TokenStream) -> f64 {
         model(&defined(input.clone()), &mut Errors::default()).expect("a system without errors");
     let form = Form::of(&model);
     let n = form.coordinates;
-    let at = unreduced(&mut g, &form);
+    let flat = flatten(&mut g, &form.bindings);
+    let at = unreduced(&mut g, &form, &flat);
     let (inertia, right) = pulled_back(&mut g, &at);
     let mut formed: Vec<Value> = inertia.iter().flatten().chain(&right).copied().collect();
     let mut orders = 0;

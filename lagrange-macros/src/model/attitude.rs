@@ -19,7 +19,7 @@
 //! No sine, no root, one division.
 
 use super::frames::{Matrix, Vector, cross, inner};
-use crate::graph::{Graph, Number, Value};
+use crate::graph::{Graph, Number, Symbol, Value};
 
 /// An attitude by its parameters.
 #[derive(Clone, Copy)]
@@ -27,7 +27,7 @@ pub struct Parameters {
     pub sigma: Vector,
     /// D and 1/D
     pub whole: Value,
-    inverse: Value,
+    pub inverse: Value,
     /// c and v, of half the quaternion, so that powers of 2 stand in front of whole sums
     pub scalar: Value,
     pub vector: Vector,
@@ -48,19 +48,7 @@ impl Parameters {
 
     /// R, by rows.
     pub fn matrix(&self, g: &mut Graph) -> Matrix {
-        let (c, v) = (self.scalar, self.vector);
-        std::array::from_fn(|i| {
-            std::array::from_fn(|j| {
-                if i == j {
-                    let squares = [(i + 1) % 3, (i + 2) % 3].map(|k| g.mul(v[k], v[k]));
-                    let sum = g.add(squares[0], squares[1]).scaled(EIGHT);
-                    return g.sub(Value::ONE, sum);
-                }
-                let (product, skew) = (g.mul(v[i], v[j]), g.mul(c, v[3 - i - j]));
-                let sum = if (i + 1) % 3 == j { g.sub(product, skew) } else { g.add(product, skew) };
-                sum.scaled(EIGHT)
-            })
-        })
+        matrix(g, self.scalar, &self.vector)
     }
 
     /// ω
@@ -94,6 +82,35 @@ impl Parameters {
     }
 }
 
+/// Rates of half a quaternion, ċ = −½ v·ω and v̇ = ½ (c ω + v × ω).
+pub fn rates(g: &mut Graph, c: Value, v: &Vector, omega: &Vector) -> [Value; 4] {
+    let (along, across) = (inner(g, v, omega), cross(g, v, omega));
+    let straight = omega.map(|omega| g.mul(c, omega));
+    let [x, y, z] = [0, 1, 2].map(|i| g.add(straight[i], across[i]).scaled(HALF));
+    [-along.scaled(HALF), x, y, z]
+}
+
+/// R of half a quaternion, by rows.
+pub fn matrix(g: &mut Graph, c: Value, v: &Vector) -> Matrix {
+    std::array::from_fn(|i| {
+        std::array::from_fn(|j| {
+            if i == j {
+                let squares = [(i + 1) % 3, (i + 2) % 3].map(|k| g.mul(v[k], v[k]));
+                let sum = g.add(squares[0], squares[1]).scaled(EIGHT);
+                return g.sub(Value::ONE, sum);
+            }
+            let (product, skew) = (g.mul(v[i], v[j]), g.mul(c, v[3 - i - j]));
+            let sum = if (i + 1) % 3 == j { g.sub(product, skew) } else { g.add(product, skew) };
+            sum.scaled(EIGHT)
+        })
+    })
+}
+
+/// The axes of a rotation by rows, which are the bindings after those of its ω.
+pub fn axes(spin: [usize; 3]) -> [[Symbol; 3]; 3] {
+    [0, 1, 2].map(|r| [0, 1, 2].map(|k| Symbol::Binding(spin[2] + 1 + 3 * r + k)))
+}
+
 /// γ of ω, its derivative while σ̈ = 0: −B σ̈ of a motion that coasts.
 pub fn drift(g: &mut Graph, parameters: &Parameters, rate: &Vector) -> Vector {
     let coasting = parameters.accelerations(g, rate, &[Value::ZERO; 3]);
@@ -109,7 +126,6 @@ pub fn turning(g: &mut Graph, row: &Vector, omega: &Vector) -> [Vector; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::graph::Symbol;
 
     /// All formulas against the derivative of R along a motion, on numbers.
     #[test]

@@ -67,6 +67,16 @@ impl<S: Scalar, const N: usize, const K: usize> TaylorSeries<S, N, K> {
         }
     }
 
+    /// Adds the coefficients of order k of some coordinates. (That of order 1 is the velocity of the state.)
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    pub fn push_coordinates_of<const M: usize>(&mut self, k: usize, which: &[usize; M], coordinates: [S; M]) {
+        if k > 1 && k < K {
+            for i in 0..M {
+                self.q[k][which[i]] = coordinates[i];
+            }
+        }
+    }
+
     /// Adds the accelerations of order k, and gives back the velocities that they make, `q̇_{k+1} = q̈_k/(k + 1)`.
     /// Coordinates need not wait for these where a division takes long: `q_{k+2} = q̈_k/((k + 1)(k + 2))`.
     #[inline(always)]

@@ -18,6 +18,6 @@ impl Form for Accelerations {
     fn advance(&self, values: &[Value], orders: &mut Orders) -> Motion {
         let next = orders.of(values);
         let accelerations = values.iter().zip(next).map(|(first, next)| [*first, next]).enumerate().collect();
-        Motion { accelerations, velocities: Vec::new() }
+        Motion { accelerations, ..Motion::default() }
     }
 }

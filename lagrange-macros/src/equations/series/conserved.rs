@@ -77,14 +77,15 @@ impl Form for Conserved {
         let (fractions, firsts) = values.split_at(2 * self.velocities.len());
         let mut velocities = Vec::new();
         for (v, fraction) in self.velocities.iter().zip(fractions.chunks(2)) {
-            let velocity = orders.fraction(v.index, fraction[0], fraction[1]);
-            orders.set_velocity(v.index, velocity);
+            let symbol = Symbol::Velocity(v.index);
+            let velocity = orders.fraction(symbol, fraction[0], fraction[1]);
+            orders.set(symbol, velocity);
             velocities.push((v.index, velocity));
         }
         let next = orders.of(firsts);
         let kept = self.accelerations.iter().map(|(i, _)| *i);
         let accelerations = kept.zip(firsts.iter().zip(next).map(|(first, next)| [*first, next])).collect();
-        Motion { accelerations, velocities }
+        Motion { accelerations, velocities, ..Motion::default() }
     }
 }
 

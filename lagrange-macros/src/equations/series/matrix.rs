@@ -47,6 +47,6 @@ impl Form for Matrix {
         let next = self.solution.solve(orders.g, &rights);
         orders.unknowns = first.into_iter().zip(next).map(|(first, next)| [first, next]).collect();
         let accelerations = orders.unknowns[..self.coordinates].iter().copied().enumerate().collect();
-        Motion { accelerations, velocities: Vec::new() }
+        Motion { accelerations, ..Motion::default() }
     }
 }

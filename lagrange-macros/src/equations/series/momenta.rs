@@ -44,7 +44,7 @@ impl Form for Momenta {
 
     fn advance(&self, values: &[Value], orders: &mut Orders) -> Motion {
         let (momenta, force) = values.split_at(self.momenta.len());
-        (0..momenta.len()).for_each(|i| orders.set_velocity(i, Value::ZERO));
+        (0..momenta.len()).for_each(|i| orders.set(Symbol::Velocity(i), Value::ZERO));
         let without = orders.of(momenta);
         let rights = without.iter().zip(force).map(|(p, f)| {
             let f = orders.before(*f);
@@ -54,7 +54,7 @@ impl Form for Momenta {
         let rights: Vec<Value> = rights.collect();
         let velocities = self.solution.solve(orders.g, &rights);
         orders.forget();
-        velocities.iter().enumerate().for_each(|(i, v)| orders.set_velocity(i, *v));
-        Motion { accelerations: Vec::new(), velocities: velocities.into_iter().enumerate().collect() }
+        velocities.iter().enumerate().for_each(|(i, v)| orders.set(Symbol::Velocity(i), *v));
+        Motion { velocities: velocities.into_iter().enumerate().collect(), ..Motion::default() }
     }
 }

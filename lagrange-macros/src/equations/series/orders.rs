@@ -42,8 +42,8 @@ pub struct Orders<'a> {
     /// Products of a velocity and a slope.
     rates: StableMap<[Id; 2], Id>,
     coefficients: IdMap<Value>,
-    /// Velocities that are found within the order; the others are inputs.
-    velocities: Vec<Option<Value>>,
+    /// Symbols whose coefficients are found within the order. Other coordinates and velocities are inputs.
+    found: IdMap<Value>,
     /// Coefficients 0 and k of the unknowns that are convolved.
     pub unknowns: Vec<[Value; 2]>,
     factors: Vec<Factor>,
@@ -55,7 +55,7 @@ pub struct Orders<'a> {
 
 impl<'a> Orders<'a> {
     /// None where an expression has no series: functions of the user's, powers whose exponents move.
-    pub fn new(g: &'a mut Graph, velocities: usize, roots: &[Value]) -> Option<Orders<'a>> {
+    pub fn new(g: &'a mut Graph, roots: &[Value]) -> Option<Orders<'a>> {
         let mut slopes = IdMap::default();
         let mut met: IdMap<()> = IdMap::default();
         // Derivatives of functions are new roots, and are made of the function itself or of nodes that end soon.
@@ -104,7 +104,7 @@ impl<'a> Orders<'a> {
             slopes,
             rates,
             coefficients: IdMap::default(),
-            velocities: vec![None; velocities],
+            found: IdMap::default(),
             unknowns: Vec::new(),
             factors: Vec::new(),
             places: StableMap::default(),
@@ -146,20 +146,21 @@ impl<'a> Orders<'a> {
         values.iter().map(|v| self.at(*v)).collect()
     }
 
-    /// The coefficient of the velocity of a coordinate, over/under, where `under` moves by factors without numbers or
-    /// is a number.
-    pub fn fraction(&mut self, i: usize, over: Value, under: Value) -> Value {
+    /// The coefficient of a symbol that is over/under, where `under` moves by factors without numbers or is a number.
+    pub fn fraction(&mut self, symbol: Symbol, over: Value, under: Value) -> Value {
         self.of(&[over, under]);
         let over = over.scaled(under.k.recip());
-        match (under.node, self.g.symbol(Symbol::Velocity(i)).node) {
-            (Some(under), Some(velocity)) => self.quotient(velocity, over, under),
+        match (under.node, self.g.symbol(symbol).node) {
+            (Some(under), Some(own)) => self.quotient(own, over, under),
             _ => self.at(over),
         }
     }
 
-    /// Says what the velocity of a coordinate is in this order.
-    pub fn set_velocity(&mut self, i: usize, velocity: Value) {
-        self.velocities[i] = Some(velocity);
+    /// Says what the coefficient of a symbol is in this order.
+    pub fn set(&mut self, symbol: Symbol, coefficient: Value) {
+        if let Some(id) = self.g.symbol(symbol).node {
+            self.found.insert(id, coefficient);
+        }
     }
 
     /// Forgets all coefficients: they were those of other velocities.
@@ -176,8 +177,9 @@ impl<'a> Orders<'a> {
         let memory = std::mem::take(&mut self.memory).into_iter().map(|v| [v, self.at(v)]).collect();
         let factors = std::mem::take(&mut self.factors);
         let factors = factors.into_iter().map(|factor| self.factor_values(factor)).collect();
-        let Motion { accelerations, velocities } = motion;
-        Recurrence { factors, convolutions: self.convolutions, memory, switching, accelerations, velocities }
+        let Motion { accelerations, velocities, coordinates } = motion;
+        let convolutions = self.convolutions;
+        Recurrence { factors, convolutions, memory, switching, accelerations, velocities, coordinates }
     }
 
     /// Computes the coefficient of a node whose operands' are known.
@@ -192,12 +194,13 @@ impl<'a> Orders<'a> {
     fn at(&mut self, v: Value) -> Value {
         let Some(id) = v.node.filter(|_| !is_number(self.g, v)) else { return Value::ZERO };
         let coefficient = match *self.g.node(id) {
-            Node::Symbol(Symbol::Coordinate(i)) => self.input(Coefficient::Coordinate(i)),
-            Node::Symbol(Symbol::Velocity(i)) => match self.velocities[i] {
-                Some(velocity) => velocity,
-                None => self.input(Coefficient::Velocity(i)),
+            Node::Symbol(symbol) => match (self.found.get(&id).copied(), symbol) {
+                (Some(found), _) => found,
+                (None, Symbol::Coordinate(i)) => self.input(Coefficient::Coordinate(i)),
+                (None, Symbol::Velocity(i)) => self.input(Coefficient::Velocity(i)),
+                (None, Symbol::Time) => self.input(Coefficient::Clock),
+                (None, other) => unreachable!("the coefficients of {other:?} are set"),
             },
-            Node::Symbol(_) => self.input(Coefficient::Clock),
             _ => *self.coefficients.get(&id).expect("operands have coefficients"),
         };
         coefficient.scaled(v.k)

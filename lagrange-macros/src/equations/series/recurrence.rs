@@ -26,12 +26,16 @@ pub struct Recurrence {
     /// Coefficients 0 and k of the accelerations, and those of order k of the velocities that are found instead.
     pub accelerations: Vec<(usize, [Value; 2])>,
     pub velocities: Vec<(usize, Value)>,
+    /// Those of coordinates that are found themselves.
+    pub coordinates: Vec<(usize, Value)>,
 }
 
 /// How the motion goes on, by coordinates.
+#[derive(Default)]
 pub struct Motion {
     pub accelerations: Vec<(usize, [Value; 2])>,
     pub velocities: Vec<(usize, Value)>,
+    pub coordinates: Vec<(usize, Value)>,
 }
 
 impl Recurrence {
@@ -42,7 +46,8 @@ impl Recurrence {
 
     /// All that an order computes.
     pub fn next(&self) -> Vec<Value> {
-        self.pairs().map(|pair| pair[1]).chain(self.velocities.iter().map(|v| v.1)).collect()
+        let found = self.velocities.iter().chain(&self.coordinates).map(|found| found.1);
+        self.pairs().map(|pair| pair[1]).chain(found).collect()
     }
 
     /// The program of an order, whose constants are known before the order begins.
@@ -52,7 +57,7 @@ impl Recurrence {
         program_from(g, &next, |v| v.node.is_some_and(|id| moved.get(&id).is_none()))
     }
 
-    /// All that order 0 computes, but for the velocities.
+    /// All that order 0 computes, which velocities and coordinates are no part of.
     pub fn first(&self) -> Vec<Value> {
         self.pairs().map(|pair| pair[0]).collect()
     }
@@ -60,6 +65,16 @@ impl Recurrence {
     /// The coordinates whose accelerations are found.
     pub fn kept(&self) -> Vec<usize> {
         self.accelerations.iter().map(|(i, _)| *i).collect()
+    }
+
+    /// Orders beyond that of the accelerations: velocities that are found themselves have as many coefficients as
+    /// what they are found of, where accelerations give one more, and coordinates likewise.
+    pub fn further_orders(&self) -> usize {
+        match (self.velocities.is_empty(), self.coordinates.is_empty()) {
+            (true, true) => 0,
+            (false, true) => 1,
+            (_, false) => 2,
+        }
     }
 
     /// Are its orders written out one by one?
@@ -103,9 +118,7 @@ impl Recurrence {
             + squares.len().div_ceil(CONVOLUTIONS_PER_VECTOR);
         // Coordinates, and velocities where they come from accelerations, are divided by the order.
         let divisions = 2 * self.accelerations.len() + self.velocities.len();
-        // What velocities are found of has no coefficient more than they have.
-        let orders = COUNTED_ORDER + usize::from(!self.velocities.is_empty());
-        orders * (order + 4 * divisions) + inner * rows
+        (COUNTED_ORDER + self.further_orders()) * (order + 4 * divisions) + inner * rows
     }
 }
 
