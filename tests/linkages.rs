@@ -5,6 +5,8 @@
 
 #[path = "linkages/branches.rs"]
 mod branches;
+#[path = "linkages/loads.rs"]
+mod loads;
 #[path = "linkages/positions.rs"]
 mod positions;
 #[path = "linkages/regular.rs"]

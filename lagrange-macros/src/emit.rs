@@ -42,9 +42,9 @@ pub fn emit(d: &Derived) -> TokenStream {
     let definition = structure(&d.model, &docs::documentation(d));
     let system = emitter.system();
     let lagrangian = emitter.lagrangian();
-    let [energies, legendre, prescribed, linearize] =
-        ["Energies", "LegendreTransform", "Prescribed", "Linearize"]
-            .map(|of| emitter.implementation(of, quote!(), quote!()));
+    let prescribed = emitter.prescribed();
+    let [energies, legendre, linearize] = ["Energies", "LegendreTransform", "Linearize"]
+        .map(|of| emitter.implementation(of, quote!(), quote!()));
     let markers = emitter.markers();
     let choices = emitter.choices(legendre.is_some());
     let constrained = emitter.constrained();

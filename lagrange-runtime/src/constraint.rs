@@ -14,12 +14,14 @@ mod across;
 mod branches;
 mod dependence;
 mod least_norm;
+mod slopes;
 
 pub(crate) use across::NEARLY_DEPENDENT;
-pub use across::{accel_across, begun_across, restored_across};
+pub use across::{accel_across, begun_across, motion, restored_across};
 pub use branches::{Branches, branches, determined};
 pub use dependence::{explained, independence, resolved};
 pub use least_norm::least_norm;
+pub use slopes::differentiable;
 
 /// A system with `M` constraints on its `N` coordinates. Emitted where a system has `constraint` statements; their
 /// order is that of every vector of constraints.
@@ -91,8 +93,25 @@ pub trait Constrained<const N: usize, const M: usize>: Lagrangian<N> {
 
     at_states! {
         constraint_rates_at: constraint_rates -> SVector<Self::Scalar, M>;
-        multipliers_at: multipliers -> SVector<Self::Scalar, M>;
-        constraint_forces_at: constraint_forces -> SVector<Self::Scalar, N>;
+    }
+
+    /// [`multipliers`](Self::multipliers) at a state. Near one at which the constraints are dependent they are those on
+    /// the branch that it is on, to some seven digits, and not a number where they grow without bound.
+    #[inline]
+    fn multipliers_at(&self, at: &State<Self::Scalar, N>) -> SVector<Self::Scalar, M>
+    where
+        Self: Sized,
+    {
+        motion::<_, false, true, N, M, M>(self, at, |_, _, multipliers| *multipliers)
+    }
+
+    /// [`constraint_forces`](Self::constraint_forces) at a state, by [`multipliers_at`](Self::multipliers_at).
+    #[inline]
+    fn constraint_forces_at(&self, at: &State<Self::Scalar, N>) -> SVector<Self::Scalar, N>
+    where
+        Self: Sized,
+    {
+        transposed(&self.constraint_jacobian(&at.q, at.t), &self.multipliers_at(at))
     }
 }
 
@@ -371,7 +390,9 @@ where
 {
     let mut state = *guess;
     for _ in 0..MOST_DAMPED {
-        let Some((responses, mut products)) = responses(system, &state) else { break };
+        let inertia = system.inertia(&state.q, &state.qd, state.t);
+        let gradients = system.constraint_jacobian(&state.q, state.t);
+        let Some((responses, mut products)) = responses(&inertia, &gradients) else { break };
         let largest = (0..M).map(|j| products[(j, j)].to_f64()).fold(0.0, f64::max);
         (0..M).for_each(|j| products[(j, j)] += Sys::Scalar::from_f64(DAMPING * largest));
         let Ok(products) = ldlt(&products) else { break };
@@ -382,16 +403,12 @@ where
 }
 
 /// `M⁻¹ aⱼ` and `aᵢ M⁻¹ aⱼ` of the gradients, if the inertia matrix is regular.
-fn responses<Sys: Constrained<N, M>, const N: usize, const M: usize>(
-    system: &Sys,
-    at: &State<Sys::Scalar, N>,
-) -> Option<([SVector<Sys::Scalar, N>; M], SMatrix<Sys::Scalar, M, M>)>
-where
-    Sys::Scalar: Real,
-{
-    let inertia = ldlt(&system.inertia(&at.q, &at.qd, at.t)).ok()?;
-    let a = system.constraint_jacobian(&at.q, at.t);
-    let row = |j: usize| SVector::<_, N>::from_fn(|i, _| a[(j, i)]);
+fn responses<S: Real, const N: usize, const M: usize>(
+    inertia: &SMatrix<S, N, N>,
+    gradients: &SMatrix<S, M, N>,
+) -> Option<([SVector<S, N>; M], SMatrix<S, M, M>)> {
+    let inertia = ldlt(inertia).ok()?;
+    let row = |j: usize| SVector::<_, N>::from_fn(|i, _| gradients[(j, i)]);
     let responses: [_; M] = core::array::from_fn(|j| inertia.solve(&row(j)));
     let products = SMatrix::from_fn(|i, j| dot(&row(i), &responses[j]));
     Some((responses, products))

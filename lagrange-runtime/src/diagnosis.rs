@@ -145,10 +145,15 @@ pub(crate) const MAX_MATRIX_BYTES: usize = 1 << 16;
 /// A state beside `at` that has no reason to be singular, too: every coordinate is moved by about a thousandth of its
 /// size, and of `unit`, and every velocity.
 pub(crate) fn beside<S: Scalar, const N: usize>(at: &State<S, N>, unit: f64) -> State<S, N> {
+    away(at, 1e-3, unit)
+}
+
+/// [`beside`] by one to two times this part.
+pub(crate) fn away<S: Scalar, const N: usize>(at: &State<S, N>, part: f64, unit: f64) -> State<S, N> {
     // The parts differ, so that no difference of coordinates stays as it is.
     let part = |i: usize| {
         let turns = 0.618 * i as f64;
-        S::from_f64(1e-3 + 1e-3 * (turns - (turns as usize) as f64))
+        S::from_f64(part * (1.0 + (turns - (turns as usize) as f64)))
     };
     let moved = |x: S, i: usize| x + part(i) * (S::from_f64(unit) + x.abs());
     State {

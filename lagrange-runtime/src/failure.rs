@@ -260,6 +260,14 @@ pub enum Failure<S = f64> {
         /// The coordinate whose acceleration has no derivative.
         coordinate: Coordinate,
     },
+    /// A motion has no derivative by a parameter: it went through a position at which constraints are dependent, and
+    /// the parameter moves one of them.
+    NotDifferentiable {
+        /// Time.
+        t: S,
+        /// Name of the constraint that the parameter moves.
+        constraint: &'static str,
+    },
     /// A controller or method does not fit a computation in a way that no type shows.
     Unsuitable {
         /// Name of the controller or method.
@@ -388,7 +396,7 @@ impl<S> Failure<S> {
     /// Its name, by which the guide's chapter on failures explains it: `"StepSizeUnderflow"`.
     pub fn name(&self) -> &'static str {
         variant! { self => Failure:
-            StepSizeUnderflow, NonFinite, Quadrature, SingularInertia, Cancellation, NotConverged, SingularStep, InvariantLost, ConstraintViolated, ConstraintDrift, DependentConstraints, Bifurcation, OutsideModel, BudgetUsedUp, Sliding, NoDerivative, Unsuitable, BadTolerance, BadStepSize, WrongDirection, TimeGoesBack, BadPeriod, InputNotFinite, BadEnd, SampleOrder, SampleBeyondEnd, EventNotFinite, EventNotBracketed, EventsAccumulate, EventsUnresolved,
+            StepSizeUnderflow, NonFinite, Quadrature, SingularInertia, Cancellation, NotConverged, SingularStep, InvariantLost, ConstraintViolated, ConstraintDrift, DependentConstraints, Bifurcation, OutsideModel, BudgetUsedUp, Sliding, NoDerivative, NotDifferentiable, Unsuitable, BadTolerance, BadStepSize, WrongDirection, TimeGoesBack, BadPeriod, InputNotFinite, BadEnd, SampleOrder, SampleBeyondEnd, EventNotFinite, EventNotBracketed, EventsAccumulate, EventsUnresolved,
         }
     }
 }
@@ -460,8 +468,8 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
             Failure::ConstraintViolated { t, constraint, violation } => write!(
                 f,
                 "at t = {t:?} the constraint `{constraint}` is violated by {violation:.1e} of the coordinates or velocities; \
-                 start from a state of `consistent`, or from one nearer to the constraints if it finds none, and look for \
-                 positions in which constraints depend on each other"
+                 give a start of `consistent`, or one nearer to the constraints if it finds none; within a run, try a smaller step or an \
+                 adaptive controller, and look for positions in which constraints depend on each other"
             ),
             Failure::ConstraintDrift { t, h, constraint } => write!(
                 f,
@@ -509,6 +517,12 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                 f,
                 "at t = {t:?} the acceleration of coordinate {coordinate} is finite but has no derivative, which the method needs: the argument of a \
                  root in its equation (`sqrt`, `norm`, `hypot`, `cbrt`, `powf`) vanishes there; try `Dop853` or `Verner9`, which need none"
+            ),
+            Failure::NotDifferentiable { t, constraint } => write!(
+                f,
+                "before t = {t:?} the motion has gone through a position in which constraints are dependent, and the constraint `{constraint}` \
+                 depends on a parameter by which derivatives are asked for: with another value of it the motion stops there, or leaves on \
+                 another branch, so that it has no derivative; end the run before the position, or leave that parameter out"
             ),
             Failure::Unsuitable { chosen, requirement } => write!(f, "`{chosen}` needs {requirement}"),
             Failure::BadTolerance { absolute, relative } => write!(
@@ -623,6 +637,9 @@ impl<S> Failure<S> {
             }
             Failure::BudgetUsedUp { t, h, max_steps, implicit } => {
                 Failure::BudgetUsedUp { t: f(t), h: f(h), max_steps, implicit }
+            }
+            Failure::NotDifferentiable { t, constraint } => {
+                Failure::NotDifferentiable { t: f(t), constraint }
             }
             Failure::Sliding { t } => Failure::Sliding { t: f(t) },
             Failure::NoDerivative { t, coordinate } => Failure::NoDerivative { t: f(t), coordinate },

@@ -232,8 +232,8 @@ pub mod __private {
     }
     pub mod constraint {
         pub use crate::constraint::{
-            accel_across, begun_across, determined, explained, independence, least_norm, resolved,
-            restored_across,
+            accel_across, begun_across, determined, differentiable, explained, independence, least_norm,
+            motion, resolved, restored_across,
         };
     }
     pub mod diagnosis {
@@ -310,8 +310,8 @@ pub mod prelude {
         BlanesMoan4, BlanesMoan6, Compose, Dop853, DormandPrince5, DoubleDouble, Dual, Event, Failure,
         FixedStep, Functions, Gauss4, Gauss6, Gradient, ImplicitMidpoint, Interpolant, KahanLi8,
         MatrixExponential, Method, Nystrom12, PiController, PidController, Projection, Radau5, Real, Rk4,
-        Rodas5P, SMatrix, SVector, Scalar, State, Stepper, Taylor, TaylorController, VariationalMidpoint,
-        Verlet, Verner9, consistent, goal, integrate, lagrangian, method_for, simulate,
+        Rodas5P, SMatrix, SVector, Scalar, State, Stepper, Tangent, Taylor, TaylorController,
+        VariationalMidpoint, Verlet, Verner9, consistent, goal, integrate, lagrangian, method_for, simulate,
     };
 }
 

@@ -128,6 +128,13 @@ pub trait Scalar:
     /// `if a ∘ b { yes } else { no }` for the comparison ∘, decided in each lane. Both branches have been computed.
     fn select(comparison: Comparison, a: Self, b: Self, yes: Self, no: Self) -> Self;
 
+    /// Computes in the way that is there for a [`Real`] if this is one, and is not computed in lanes.
+    #[doc(hidden)]
+    #[inline]
+    fn by_case<C: RealCase<Self>>(case: C) -> C::Output {
+        case.any()
+    }
+
     /// 0.
     #[inline]
     fn zero() -> Self {
@@ -140,6 +147,31 @@ pub trait Scalar:
         Self::from_f64(1.0)
     }
 }
+
+/// A computation that is another one for a [`Real`] than for lanes: see [`Scalar::by_case`].
+pub trait RealCase<S: Scalar> {
+    /// The result of both.
+    type Output;
+
+    /// The way for a number that can be looked at.
+    fn real(self) -> Self::Output
+    where
+        S: Real;
+
+    /// The way for any number.
+    fn any(self) -> Self::Output;
+}
+
+/// [`Scalar::by_case`] of a [`Real`] that is not computed in lanes.
+macro_rules! real_case {
+    () => {
+        #[inline]
+        fn by_case<C: $crate::scalar::RealCase<Self>>(case: C) -> C::Output {
+            case.real()
+        }
+    };
+}
+pub(crate) use real_case;
 
 /// A scalar that is one ordered number: the time of an adaptive run and whatever has to be compared.
 pub trait Real: Scalar + PartialOrd {
@@ -156,6 +188,8 @@ pub trait Real: Scalar + PartialOrd {
     fn infinitesimal(self) -> Self {
         Self::zero()
     }
+    /// Does it carry slopes?
+    const SLOPES: bool = false;
     /// The distance from 1 to the next larger number.
     const EPSILON: f64;
     /// Is it one of several numbers side by side, whose runs do what they do together alone?
@@ -287,6 +321,8 @@ macro_rules! float {
     ($float:ident $($own:item)*) => {
         impl Scalar for $float {
             $($own)*
+
+            real_case! {}
 
             #[inline]
             fn from_f64(x: f64) -> Self {

@@ -95,6 +95,24 @@ pub trait System<const N: usize> {
         Ok(())
     }
 
+    /// Fails if a step has gone through a position at which constraints are dependent, and slopes of numbers move one.
+    ///
+    /// # Errors
+    /// [`Failure::NotDifferentiable`].
+    #[doc(hidden)]
+    #[cold]
+    fn differentiable(
+        &self,
+        from: &State<Self::Scalar, N>,
+        to: &State<Self::Scalar, N>,
+    ) -> Result<(), Failure<Self::Scalar>>
+    where
+        Self::Scalar: Real,
+    {
+        let _ = (from, to);
+        Ok(())
+    }
+
     /// How a motion begins near a position at which constraints are dependent, if its velocity tells on which branch;
     /// `None` elsewhere.
     #[doc(hidden)]
@@ -459,10 +477,11 @@ pub trait Separable<const N: usize>: Lagrangian<N> {}
 #[diagnostic::on_unimplemented(message = "the inertia matrix of `{Self}` is not constant")]
 pub trait ConstantInertia<const N: usize>: Lagrangian<N> {}
 
-/// Marker: `h = p·q̇ − L` is conserved (time does not appear, and neither D nor Q does).
+/// Marker: `h = p·q̇ − L` is conserved (time does not appear, and neither D nor Q does), and the coordinates are
+/// independent.
 #[diagnostic::on_unimplemented(
-    message = "the energy function h = p·q̇ − L of `{Self}` is not conserved",
-    note = "time appears in its equations, or it has a dissipation function or nonconservative forces"
+    message = "the energy function h = p·q̇ − L of `{Self}` is not conserved, or its coordinates are not independent",
+    note = "time appears in its equations, or it has a dissipation function or nonconservative forces; of a system with constraints it may be conserved, but a projection onto it would leave them: every run goes back to constraints after each step, `Projection` is not needed for that"
 )]
 pub trait Conservative<const N: usize>: Lagrangian<N> {}
 
@@ -618,6 +637,17 @@ macro_rules! pass_on_run {
             Self::Scalar: $crate::Real,
         {
             self.$field.determined(start, at)
+        }
+
+        fn differentiable(
+            &self,
+            from: &$crate::State<Self::Scalar, N>,
+            to: &$crate::State<Self::Scalar, N>,
+        ) -> Result<(), $crate::Failure<Self::Scalar>>
+        where
+            Self::Scalar: $crate::Real,
+        {
+            self.$field.differentiable(from, to)
         }
 
         fn begun_across(

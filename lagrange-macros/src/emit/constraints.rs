@@ -1,10 +1,11 @@
 //! Code for constraints and prescribed coordinates beside the functions of the table.
 
 use super::{Emitter, forced_inlining};
+use crate::equations::Derived;
 use crate::equations::constraints::{ConstraintKind, Redundancy};
 use crate::graph::Symbol;
 use crate::model::Model;
-use crate::table::Size;
+use crate::table::{Shape, Size};
 use proc_macro2::TokenStream;
 use quote::quote;
 
@@ -26,6 +27,10 @@ impl Emitter<'_> {
                     #runtime::restore::<Self, #n, #m>(self, at).map(::core::option::Option::Some)
                 }
                 const CONSTRAINTS: usize = #m;
+                #[inline]
+                fn accel_at(&self, at: &#runtime::State<S, #n>) -> #runtime::SVector<S, #n> {
+                    #runtime::constraint::motion::<Self, true, false, #n, #m, #n>(self, at, |_, accelerations, _| *accelerations)
+                }
                 fn independence(&self, start: &#runtime::State<S, #n>, at: &#runtime::State<S, #n>) -> f64
                 where
                     S: #runtime::Real,
@@ -41,6 +46,16 @@ impl Emitter<'_> {
                     S: #runtime::Real,
                 {
                     #runtime::constraint::determined::<Self, #n, #m>(self, start, at)
+                }
+                fn differentiable(
+                    &self,
+                    from: &#runtime::State<S, #n>,
+                    to: &#runtime::State<S, #n>,
+                ) -> ::core::result::Result<(), #runtime::Failure<S>>
+                where
+                    S: #runtime::Real,
+                {
+                    #runtime::constraint::differentiable::<Self, #n, #m>(self, from, to)
                 }
                 fn begun_across(
                     &self,
@@ -123,6 +138,18 @@ impl Emitter<'_> {
                 }
             }
         }
+    }
+
+    /// `Prescribed`, if there are such coordinates.
+    pub fn prescribed(&self) -> Option<TokenStream> {
+        let Derived { model, equations, .. } = self.d;
+        let gives = Shape::Vector(Size::Prescribed);
+        let at_state = (!model.constraints.is_empty()).then(|| {
+            let signature = self.types(|types| types.at_state(quote!(reactions_at), gives));
+            let body = self.by_motion(gives, &equations.solved.relaxed);
+            quote!(#[inline] #signature { #body })
+        });
+        self.implementation("Prescribed", quote!(), quote!(#at_state))
     }
 
     /// The rank of constraints that follow from others, if it is known.

@@ -5,6 +5,7 @@ use crate::equations::Derived;
 use crate::graph::Value;
 use crate::model::{Model, NamedEvent, indexed};
 use crate::syntax::Direction;
+use crate::table::Shape;
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
 
@@ -65,11 +66,13 @@ impl Emitter<'_> {
             quote!(match event { #(#arms)* _ => { #body } })
         };
         let values = arms(&|i| {
+            if let Some(value) = functions[i].by_motion {
+                return self.by_motion(Shape::Scalar, &[value]);
+            }
             let value = [functions[i].value];
-            let solved = self.d.is_redundant().then(|| self.motion(&value));
             let (statements, results) = self.statements(&value);
             let value = results.one(0);
-            quote!(#solved #statements #value)
+            quote!(#statements #value)
         });
         let rates = arms(&|i| {
             let known: Vec<Value> = functions[i].rates.iter().flatten().copied().collect();

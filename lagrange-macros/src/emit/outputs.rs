@@ -277,8 +277,9 @@ impl Emitter<'_> {
     /// The user's observed quantities as methods.
     pub fn observed(&self) -> TokenStream {
         let model = &self.d.model;
-        let observed = model.observed.iter().zip(&self.d.equations.quantities.observed);
-        self.methods(observed.map(|(o, values)| {
+        let quantities = &self.d.equations.quantities;
+        let observed = model.observed.iter().zip(&quantities.observed).zip(&quantities.by_motion);
+        self.methods(observed.map(|((o, values), by_motion)| {
             let gives = match o.layout {
                 Layout::Scalar => Shape::Scalar,
                 Layout::Vector => Shape::Vector(Size::Fixed(values.len())),
@@ -292,26 +293,69 @@ impl Emitter<'_> {
             let (attributes, inline) = (&o.attributes, forced_inlining());
             let signature = self.signature(&o.name, STATE, gives);
             let head = quote!(#inline #(#attributes)* #text pub #signature);
-            let (function, at_state) =
-                (self.straight(head, STATE, gives, values), self.at_state(&o.name, gives));
+            let function = self.straight(head, STATE, gives, values);
+            let body = by_motion.as_ref().map(|values| self.by_motion(gives, values));
+            let at_state = self.at_state(&o.name, gives, body);
             quote!(#function #at_state)
         }))
     }
 
-    /// The function of this name at a state, unless the user has an output of its name.
-    fn at_state(&self, name: &Ident, gives: Shape) -> Option<TokenStream> {
+    /// These values at the state `at`, by its accelerations and multipliers.
+    pub fn by_motion(&self, gives: Shape, values: &[Value]) -> TokenStream {
+        let runtime = &self.d.model.runtime;
+        let [n, m] = [Size::Coordinates, Size::Constraints].map(|size| self.d.size(size));
+        let reads = |symbol: fn(Symbol) -> bool| self.d.graph.depends(values, symbol);
+        let accelerations = reads(|s| matches!(s, Symbol::Acceleration(_)));
+        let multipliers = reads(|s| matches!(s, Symbol::Multiplier(_)));
+        let (statements, results) = self.statements(values);
+        let (count, all) = (values.len(), results.part(0..values.len()));
+        let result = match gives {
+            Shape::Scalar => quote!(found[0]),
+            Shape::Matrix(rows, columns) => {
+                let [rows, columns] = [rows, columns].map(|size| self.d.size(size));
+                quote!(#runtime::SMatrix::<S, #rows, #columns>::from_iterator(found.iter().copied()))
+            }
+            _ => quote!(found),
+        };
+        quote! {
+            let found = #runtime::constraint::motion::<Self, #accelerations, #multipliers, #n, #m, #count>(
+                self,
+                at,
+                |at, accelerations, multipliers| {
+                    let (q, qd, t) = (&at.q, &at.qd, at.t);
+                    #statements
+                    #runtime::SVector::from(#all)
+                },
+            );
+            #result
+        }
+    }
+
+    /// The function of this name at a state, unless the user has an output of its name: with this body, or that of
+    /// (q, q̇, t) there.
+    fn at_state(&self, name: &Ident, gives: Shape, body: Option<TokenStream>) -> Option<TokenStream> {
         let Model { observed, struck, runtime, .. } = &self.d.model;
         let at = at_state(name);
         let is_taken = observed.iter().any(|o| o.name == at) || struck.iter().any(|s| s.name == at);
         (!is_taken).then(|| {
             let signature = self.types(|types| types.at_state(&at, gives));
-            let text = format!("[`{name}`](Self::{name}) at a state.");
+            let text = match body {
+                None => format!("[`{name}`](Self::{name}) at a state."),
+                Some(_) => format!(
+                    "[`{name}`](Self::{name}) at a state; near one at which constraints are dependent, on its branch."
+                ),
+            };
+            let body = body.unwrap_or_else(|| {
+                quote! {
+                    let #runtime::State { t, q, qd } = at;
+                    self.#name(q, qd, *t)
+                }
+            });
             quote! {
                 #[doc = #text]
                 #[inline]
                 pub #signature {
-                    let #runtime::State { t, q, qd } = at;
-                    self.#name(q, qd, *t)
+                    #body
                 }
             }
         })
@@ -345,7 +389,7 @@ impl Emitter<'_> {
             let name = Ident::new(&name, attitude.name.span());
             let (signature, inline) = (self.signature(&name, STATE, gives), forced_inlining());
             methods.push(self.straight(quote!(#inline #[doc = #text] pub #signature), STATE, gives, &values));
-            methods.extend(self.at_state(&name, gives));
+            methods.extend(self.at_state(&name, gives, None));
         }
         let common = &e.symmetries.common;
         let name = Ident::new(symmetry::COMMON, model.name.span());
@@ -358,7 +402,7 @@ impl Emitter<'_> {
             );
             let (signature, inline) = (self.signature(&name, STATE, gives), forced_inlining());
             methods.push(self.straight(quote!(#inline #[doc = #text] pub #signature), STATE, gives, &values));
-            methods.extend(self.at_state(&name, gives));
+            methods.extend(self.at_state(&name, gives, None));
         }
         self.methods(methods.into_iter())
     }

@@ -3,7 +3,7 @@
 
 use super::common::{in_time, symbols};
 use super::formed::Formed;
-use super::quantities::observed;
+use super::quantities::{by_motion, observed};
 use super::solved::Solved;
 use crate::graph::{Graph, Symbol, Value};
 use crate::model::Model;
@@ -15,6 +15,8 @@ const MAX_DERIVED_OPERATIONS: usize = 200;
 /// g, ġ and g̈ of one event in terms of q, q̇, t and given accelerations.
 pub struct EventFunction {
     pub value: Value,
+    /// By accelerations and multipliers, under constraints, if it depends on these.
+    pub by_motion: Option<Value>,
     pub rates: [Option<Value>; 2],
 }
 
@@ -23,7 +25,12 @@ pub fn events(g: &mut Graph, model: &Model, formed: &Formed, solved: &Solved) ->
     let n = model.coordinates.len();
     let each = model.events.iter().map(|event| {
         let values = observed(g, formed, solved, &event.values);
-        values.into_iter().map(|value| function(g, n, value)).collect()
+        let by_motion = by_motion(g, formed, solved, &event.values);
+        let by_motion = |k: usize| by_motion.as_ref().map(|values| values[k]);
+        let functions = values.into_iter().enumerate();
+        functions
+            .map(|(k, value)| EventFunction { by_motion: by_motion(k), ..function(g, n, value) })
+            .collect()
     });
     each.collect()
 }
@@ -33,7 +40,7 @@ fn function(g: &mut Graph, n: usize, value: Value) -> EventFunction {
     // Reactions that a function of the runtime solves for have no derivatives here.
     let unsolved = |s| matches!(s, Symbol::Acceleration(_) | Symbol::Multiplier(_) | Symbol::Reaction(_));
     if operations(g, &[value]).arithmetic() > MAX_DERIVED_OPERATIONS || g.depends(&[value], unsolved) {
-        return EventFunction { value, rates: [None; 2] };
+        return EventFunction { value, by_motion: None, rates: [None; 2] };
     }
     let [velocities, accelerations] = [Symbol::Velocity, Symbol::Given].map(|symbol| symbols(g, symbol, n));
     let along = in_time(&velocities);
@@ -44,5 +51,5 @@ fn function(g: &mut Graph, n: usize, value: Value) -> EventFunction {
     let first = g.forward(&[value], seed)[0];
     let is_of_positions = !g.depends(&[value], |s| matches!(s, Symbol::Velocity(_)));
     let second = is_of_positions.then(|| g.forward(&[first], seed)[0]);
-    EventFunction { value, rates: [Some(first), second] }
+    EventFunction { value, by_motion: None, rates: [Some(first), second] }
 }

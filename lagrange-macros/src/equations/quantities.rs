@@ -18,6 +18,8 @@ pub struct Quantities {
     pub power: Value,
     /// The user's, in their order.
     pub observed: Vec<Vec<Value>>,
+    /// Those under constraints that depend on accelerations and multipliers, by these.
+    pub by_motion: Vec<Option<Vec<Value>>>,
     /// Generalized impulses of those that act at points, by points.
     pub impulses: Vec<Vec<Value>>,
     /// Values and velocities of the coordinates that are held.
@@ -29,6 +31,8 @@ pub struct Quantities {
 pub fn quantities(g: &mut Graph, model: &Model, formed: &Formed, solved: &Solved) -> Quantities {
     let n = model.coordinates.len();
     let observed = model.observed.iter().map(|o| observed(g, formed, solved, &o.values)).collect();
+    let written = model.observed.iter().map(|o| &o.values);
+    let by_motion = written.map(|values| by_motion(g, formed, solved, values)).collect();
     let impulses = model.struck.iter().map(|point| generalized(g, formed, n, &point.position)).collect();
     let [momenta, bias, force] =
         [&formed.momenta, &formed.bias, &formed.force].map(|values| shortest(g, n, values));
@@ -49,6 +53,7 @@ pub fn quantities(g: &mut Graph, model: &Model, formed: &Formed, solved: &Solved
         energy_function,
         power,
         observed,
+        by_motion,
         impulses,
     }
 }
@@ -70,6 +75,19 @@ pub fn observed(g: &mut Graph, formed: &Formed, solved: &Solved, values: &[Value
         _ => None,
     });
     flattened(g, &formed.flat, &known)
+}
+
+/// Values under constraints by accelerations and multipliers, if they depend on these.
+pub fn by_motion(g: &mut Graph, formed: &Formed, solved: &Solved, values: &[Value]) -> Option<Vec<Value>> {
+    let reacts = |s| matches!(s, Symbol::Multiplier(_) | Symbol::Reaction(_));
+    if formed.rows.values.is_empty() || !g.depends(values, reacts) {
+        return None;
+    }
+    let known = g.substitute(values, |s| match s {
+        Symbol::Reaction(k) => Some(solved.relaxed[k]),
+        _ => None,
+    });
+    Some(flattened(g, &formed.flat, &known))
 }
 
 /// The generalized impulse Σ P ∂x/∂q of an impulse P, given, at the position x (Beatty 2006, (11.58)).

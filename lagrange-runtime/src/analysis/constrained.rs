@@ -14,13 +14,15 @@ use super::tangent::{
 };
 use super::{AnalysisError, DVector, SmallMotion, Stability};
 use crate::controller::FixedStep;
+use crate::diagnosis::away;
 use crate::facts::ConstraintKind;
 use crate::failure::Coordinate;
 use crate::integrate::integrate;
 use crate::method::explicit_rk::Rk4;
 use crate::state::State;
 use crate::system::{Facts, Jacobian, Lagrangian, Linearize};
-use nalgebra::{DMatrix, SVector};
+use core::cell::RefCell;
+use nalgebra::{DMatrix, SVD, SVector};
 
 /// Accelerations, relative to what displacements by `1 + |q|` change, up to which a motion counts as steady.
 const UNSTEADY: f64 = 1e-6;
@@ -28,6 +30,20 @@ const UNSTEADY: f64 = 1e-6;
 /// Accelerations, relative to those of the other coordinates in units in which the diagonal of M is 1, that are
 /// roundings.
 const ROUNDING: f64 = 1e-12;
+
+/// The hypothesis of an equilibrium.
+const RESTING: &str = "constraints that admit rest, and one on velocities moves the system at every state: give a steady \
+                       motion to `SmallMotion::steady`, or any one to `SmallMotion::about`";
+
+/// Least singular value of gradients where Newton's method has ended without an equilibrium: a position in which
+/// constraints are dependent is approached linearly.
+pub(super) const SINGULAR: f64 = 1e-2;
+
+/// Distance of a state that shows how long gradients are elsewhere, relative to `1 + |q|`.
+pub(super) const FAR: f64 = 0.2;
+
+/// Least singular value of gradients at a state with digits for small motions.
+const VANISHED: f64 = 1e-8;
 
 /// Newton's iterations toward the constraints.
 const MOST_CORRECTIONS: usize = 50;
@@ -42,8 +58,13 @@ fn held<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
 ) -> Result<Vec<Held>, AnalysisError> {
     let all = Held::all(system, at)?;
     fulfilled(&all, at.q.as_slice(), at.qd.as_slice())?;
-    TangentSpace::new(&all, &units(&dynamic(&system.inertia(&at.q, &at.qd, at.t))), &[ACTS; N])?;
-    Ok(all)
+    let units = units(&dynamic(&system.inertia(&at.q, &at.qd, at.t)));
+    TangentSpace::new(&all, &units, &[ACTS; N])?;
+    // (A gradient that is rounding is no direction.)
+    match nearly_dependent(&all, &Held::all(system, &away(at, FAR, 1.0))?, &units, VANISHED) {
+        Some(error) => Err(error),
+        None => Ok(all),
+    }
 }
 
 /// Small motions about a state without accelerations, but for those of coordinates that do not matter.
@@ -249,8 +270,8 @@ pub(super) fn balanced(
     attitudes: &[usize],
 ) -> Result<Balanced, AnalysisError> {
     let n = guess.len();
-    let first = whole(&guess)?.held;
-    let (given, rows) = (first.len(), TangentSpace::new(&first, weights, &vec![ACTS; n])?.rows);
+    let at_guess = whole(&guess)?.held;
+    let (given, rows) = (at_guess.len(), TangentSpace::new(&at_guess, weights, &vec![ACTS; n])?.rows);
     let place = |q: &DVector<f64>| -> Result<Place, AnalysisError> {
         let Place { forces, stiffness, held } = whole(q)?;
         let chosen = held.into_iter().enumerate().filter(|(j, _)| rows.contains(j));
@@ -260,8 +281,7 @@ pub(super) fn balanced(
     let (all, count) = (&start.held, start.held.len());
     for held in all.iter().filter(|held| !held.on_positions()) {
         if held.rate != 0.0 && held.rate_by_coordinates.amax() == 0.0 {
-            let violation = held.rate.abs() / held.row.amax();
-            return Err(AnalysisError::OffConstraints { constraint: held.of.name, violation });
+            return Err(AnalysisError::NotApplicable { needs: RESTING });
         }
     }
     let row = all.iter().map(|held| held.row.amax()).fold(0.0, f64::max);
@@ -281,7 +301,9 @@ pub(super) fn balanced(
         }
         Ok(all)
     };
+    let reached = RefCell::new(guess.clone());
     let stiffness = |x: &DVector<f64>| {
+        reached.replace(x.rows(0, n).into_owned());
         let Place { stiffness, held, .. } = at(x)?;
         let mut all = (stiffness - stiffness_of_forces(&held, n)).resize(n + count, n + count, 0.0);
         for (j, held) in held.iter().enumerate() {
@@ -298,6 +320,10 @@ pub(super) fn balanced(
     };
     let found = balance(what, DVector::from_fn(n + count, |i, _| first(i)), &forces, &stiffness, attitudes);
     let Balance { q, last, stiffness_aside } = match found {
+        Err(error @ (AnalysisError::NotConverged { .. } | AnalysisError::NotFinite)) => {
+            let held = whole(&reached.into_inner())?.held;
+            return Err(nearly_dependent(&held, &at_guess, weights, SINGULAR).unwrap_or(error));
+        }
         // What is left is a violation of a constraint that no displacement changes.
         Err(AnalysisError::Unbalanced { force, coordinate }) if coordinate.index >= n => {
             let constraint = all[coordinate.index - n].of.name;
@@ -309,6 +335,27 @@ pub(super) fn balanced(
     rows.iter().enumerate().for_each(|(k, &j)| multipliers[j] = q[n + k] * unit);
     let stiffness_aside = stiffness_aside.view((0, 0), (n, n)).into_owned();
     Ok(Balanced { q: q.rows(0, n).into_owned(), multipliers, last, stiffness_aside })
+}
+
+/// The error of a place near a position in which constraints are dependent, by singular values of gradients. These
+/// count as long as at another place, in units of the coordinates.
+pub(super) fn nearly_dependent(
+    held: &[Held],
+    elsewhere: &[Held],
+    units: &[f64],
+    least: f64,
+) -> Option<AnalysisError> {
+    let size =
+        |held: &Held| held.row.iter().zip(units).map(|(a, unit)| (a * unit).powi(2)).sum::<f64>().sqrt();
+    let sizes: Vec<f64> =
+        held.iter().zip(elsewhere).map(|(here, there)| size(here).max(size(there))).collect();
+    let scaled = DMatrix::from_fn(held.len(), units.len(), |j, i| held[j].row[i] * units[i] / sizes[j]);
+    let svd = SVD::try_new(scaled, true, false, f64::EPSILON, 10_000)?;
+    // Those that vanish in all positions are the last ones.
+    let k = held.len().checked_sub(1 + held.first()?.spare)?;
+    let left = *svd.singular_values.as_slice().get(k)?;
+    let row = svd.u?.column(k).iamax();
+    (left < least).then(|| AnalysisError::DependentConstraints { constraint: held[row].of.name, left })
 }
 
 /// Small motions with K aside the place that Newton's method found.
@@ -375,6 +422,7 @@ pub(super) fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
         Err(error)
     })?;
     let at = at_rest(SVector::from_fn(|i, _| found.q[i]));
+    held(system, &at)?;
     smooth(system, &at, found.last, linearized)?;
     let (space, matrices) = direct(system, &at)?;
     let small = known(system, &at, &space, &matrices)?;

@@ -63,7 +63,9 @@ pub use branch::{Bifurcation, BifurcationKind, Branch, BranchPoint, Heading, Pat
 ///
 /// # Hypotheses
 /// - Constraints are on positions and independent of each other: otherwise
-///   [`AnalysisError::DependentCoordinates`], or [`AnalysisError::DependentConstraints`] in a singular position.
+///   [`AnalysisError::DependentCoordinates`]. A curve goes over a position in which they are dependent and lists it, as
+///   [`BifurcationKind::DependentConstraints`], or ends there in [`AnalysisError::DependentConstraints`]; where a
+///   multiplier grows without bound before it, in ever shorter steps, by [`Path::steps`].
 ///   Lengths are those in (q, λ, μ) then, with multipliers in units in which their forces are of the size of others.
 /// - The equations are autonomous, by [`Facts::autonomous`](crate::Facts::autonomous).
 /// - There is an equilibrium near `q` at `parameter`, and F is finite along the curve.

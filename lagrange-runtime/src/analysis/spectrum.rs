@@ -2,6 +2,7 @@
 
 use super::quadratic::{Quadratic, ROUNDING, Root};
 use super::{AnalysisError, ModeKind, Modes, SmallMotion};
+use core::fmt;
 use nalgebra::{Complex, DMatrix, DVector};
 
 /// Eigenvalues λ and shapes x of the motions `δq = Re(x e^{λt})`, `(λ²M + λC + K) x = 0` (Tisseur and
@@ -65,6 +66,22 @@ impl Spectrum {
     /// necessary for stability, and sufficient for damped motions; for undamped ones higher orders may decide.
     pub fn is_stable(&self) -> bool {
         self.eigenvalues.iter().zip(&self.errors).all(|(value, error)| value.re <= error.re)
+    }
+}
+
+/// A table: each eigenvalue, or pair of conjugate ones, with the bounds of its error, and the damping ratio of pairs.
+impl fmt::Display for Spectrum {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (k, (value, error)) in self.eigenvalues.iter().zip(&self.errors).enumerate() {
+            let bound = error.re.max(error.im);
+            if value.im == 0.0 {
+                writeln!(f, "λ = {:+.6e}{:18}error ≤ {bound:.1e}", value.re, "")?;
+            } else if value.im > 0.0 {
+                let (re, im, ratio) = (value.re, value.im, self.damping_ratio(k));
+                writeln!(f, "λ = {re:+.6e} ± {im:.6e} i  error ≤ {bound:.1e}  ζ = {ratio:+.6}")?;
+            }
+        }
+        Ok(())
     }
 }
 

@@ -5,11 +5,12 @@
 //! are beside the constraints by much more than the error of a step, which then has no order. So stages are projected
 //! first, and the nearest accelerations are interpolated.
 
-use super::dependence::nearly_dependent_part;
+use super::dependence::{least_sine, nearly_dependent_part};
 use super::{Constrained, independence, restore};
-use crate::scalar::{Real, Scalar};
+use crate::linear::product;
+use crate::scalar::{Real, RealCase, Scalar};
 use crate::state::{Begun, State, constant};
-use nalgebra::SVector;
+use nalgebra::{SMatrix, SVector};
 
 /// Square of the sine below which accelerations are interpolated: at 0.02 rad they have lost half of their digits,
 /// and the nodes on both sides are so near that polynomials of degree 11 have more.
@@ -27,6 +28,14 @@ const WEIGHTS: [[f64; 6]; 2] = [
 /// Largest difference of the two polynomials, relative to their values. Where the motion leaves the position slowly,
 /// and other coordinates are fast, nodes are too far apart.
 const SMOOTH: f64 = 1e-6;
+
+/// Spacing of nodes, in radians of the fastest coordinate, that lose no digits to speak of; and the difference of the
+/// polynomials up to which they are taken.
+const WIDE: f64 = 0.08;
+const SMOOTHER: f64 = 1e-9;
+
+/// Square of the sine below which a state is nearer to the position than such nodes.
+const BETWEEN: f64 = 1e-2;
 
 /// Change of a velocity, relative to the fastest one, that is rounding.
 const ROUNDED: f64 = 1e-11;
@@ -55,7 +64,9 @@ where
     let found = if independence::<Sys, N, M>(system, reference, at) >= CLOSE {
         projected(system, at, &at.qd, 0.0, 0.0).map(|at| accel(&at))
     } else {
-        Nodes::about(system, reference, at, h, |nodes| nodes.middle(accel, roughly))
+        Nodes::about(system, reference, at, h, |nodes| {
+            nodes.middle(accel, if roughly { f64::INFINITY } else { SMOOTH }, ROUNDED * nodes.pace)
+        })
     };
     found.unwrap_or_else(|| constant(Sys::Scalar::from_f64(f64::NAN)))
 }
@@ -92,8 +103,8 @@ where
 /// Admissible states on both sides of a state, at 1, …, 6 times a spacing.
 struct Nodes<S, const N: usize> {
     pairs: [[State<S, N>; 2]; WEIGHTS[0].len()],
-    /// Change of an acceleration that changes velocities by rounding while the motion passes them.
-    rounding: f64,
+    /// An acceleration that changes the fastest velocity by itself while the motion passes them.
+    pace: f64,
 }
 
 impl<S: Real, const N: usize> Nodes<S, N> {
@@ -150,7 +161,7 @@ impl<S: Real, const N: usize> Nodes<S, N> {
                     *pair = both(spacing * (j + 1) as f64)?;
                 }
                 let passing = spacing * pairs.len() as f64;
-                return Some(Nodes { pairs, rounding: ROUNDED * largest(&at.qd) / passing });
+                return Some(Nodes { pairs, pace: largest(&at.qd) / passing });
             }
             spacing *= 1.5;
         }
@@ -159,13 +170,19 @@ impl<S: Real, const N: usize> Nodes<S, N> {
 
     /// The state in their middle.
     fn state(&self, t: S) -> Option<State<S, N>> {
-        Some(State { t, q: self.middle(|at| at.q, false)?, qd: self.middle(|at| at.qd, false)? })
+        let middle = |of: fn(&State<S, N>) -> SVector<S, N>| self.middle(of, SMOOTH, ROUNDED * self.pace);
+        Some(State { t, q: middle(|at| at.q)?, qd: middle(|at| at.qd)? })
     }
 
-    /// The value in their middle of a function of states, if it is smooth to a change of accelerations that matters, or
-    /// `roughly`.
-    fn middle(&self, of: impl Fn(&State<S, N>) -> SVector<S, N>, roughly: bool) -> Option<SVector<S, N>> {
-        let mut sums: [SVector<S, N>; 2] = [constant(S::zero()); 2];
+    /// The value in their middle of a function of states, if the two polynomials differ by no more than this part of
+    /// the values, or by `rounding`.
+    fn middle<const K: usize>(
+        &self,
+        of: impl Fn(&State<S, N>) -> SVector<S, K>,
+        smooth: f64,
+        rounding: f64,
+    ) -> Option<SVector<S, K>> {
+        let mut sums: [SVector<S, K>; 2] = [constant(S::zero()); 2];
         let mut size = 0.0f64;
         for (j, pair) in self.pairs.iter().enumerate() {
             for node in pair {
@@ -176,9 +193,33 @@ impl<S: Real, const N: usize> Nodes<S, N> {
                 }
             }
         }
-        (roughly || largest(&(sums[0] - sums[1])) <= (SMOOTH * size).max(self.rounding)).then_some(sums[0])
+        (largest(&(sums[0] - sums[1])) <= (smooth * size).max(rounding)).then_some(sums[0])
+    }
+
+    /// [`middle`](Self::middle) of a function that stays bounded: values on both sides of a pole of odd order cancel
+    /// there.
+    fn bounded<const K: usize>(
+        &self,
+        of: impl Fn(&State<S, N>) -> SVector<S, K>,
+        smooth: f64,
+        rounding: f64,
+    ) -> Option<SVector<S, K>> {
+        let (mut odd, mut size): (SVector<S, K>, f64) = (constant(S::zero()), 0.0);
+        for (pair, weight) in self.pairs.iter().zip(ONE_SIDED) {
+            let [before, after] = pair.each_ref().map(&of);
+            size = size.max(largest(&before)).max(largest(&after));
+            odd += (after - before) * S::from_f64(0.5 * weight);
+        }
+        let bounded = largest(&odd) <= (ODD * size).max(rounding);
+        if bounded { self.middle(of, smooth, rounding) } else { None }
     }
 }
+
+/// Weights at 0 of the polynomial through 1, …, 6.
+const ONE_SIDED: [f64; 6] = [6.0, -15.0, 20.0, -15.0, 6.0, -1.0];
+
+/// Largest odd part in the middle, relative to values of nodes: a pole there has one of twice that of the nearest node.
+const ODD: f64 = 1e-5;
 
 /// Distance between a state and those beside it that show how long gradients are elsewhere.
 const ASIDE: f64 = 0.25;
@@ -230,13 +271,25 @@ pub fn begun_across<Sys: Constrained<N, M>, const N: usize, const M: usize>(
 where
     Sys::Scalar: Real,
 {
-    let aside = ASIDE / largest(&at.qd);
-    let clock = clock(system, at);
-    let reference = [-aside, aside].into_iter().find_map(|s| projected(system, at, &at.qd, s, clock))?;
+    let reference = aside(system, at, &at.qd, clock(system, at))?;
     let independent = independence::<Sys, N, M>(system, &reference, at);
     let on_branch = || on_branch::<Sys, N, M>(system, &reference, at);
     let state = (independent < CLOSE).then(on_branch).flatten();
     (independent < NEARLY_DEPENDENT).then_some(Begun { state, reference })
+}
+
+/// A state beside `at`, along a velocity, that shows how long gradients are elsewhere.
+fn aside<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+    along: &SVector<Sys::Scalar, N>,
+    clock: f64,
+) -> Option<State<Sys::Scalar, N>>
+where
+    Sys::Scalar: Real,
+{
+    let s = ASIDE / largest(along);
+    [-s, s].into_iter().find_map(|s| projected(system, at, along, s, clock))
 }
 
 /// A start on the branch that its velocity is along, if there is one and no other one touches it.
@@ -266,7 +319,7 @@ where
 }
 
 /// Size of the largest component.
-fn largest<S: Real, const N: usize>(b: &SVector<S, N>) -> f64 {
+fn largest<S: Real, const R: usize, const C: usize>(b: &SMatrix<S, R, C>) -> f64 {
     b.iter().map(|v| v.to_f64().abs()).fold(0.0, f64::max)
 }
 
@@ -288,3 +341,128 @@ where
 
 /// 1.5⁶⁰ is 4e10.
 const MOST_SPACINGS: u32 = 60;
+
+/// K quantities `of` a state, its accelerations, if `A` asks for them, and its multipliers, likewise `L`. Near one at
+/// which constraints are dependent they are those on the branch that it is on, by polynomials through states on both
+/// sides. Multipliers that grow without bound there are not a number, and quantities by them neither, unless they
+/// stay bounded themselves; nor are those of a state on no branch. Lanes have those of the state alone.
+#[inline]
+pub fn motion<
+    Sys: Constrained<N, M>,
+    const A: bool,
+    const L: bool,
+    const N: usize,
+    const M: usize,
+    const K: usize,
+>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+    of: impl Fn(
+        &State<Sys::Scalar, N>,
+        &SVector<Sys::Scalar, N>,
+        &SVector<Sys::Scalar, M>,
+    ) -> SVector<Sys::Scalar, K>,
+) -> SVector<Sys::Scalar, K> {
+    Scalar::by_case(Motion::<_, _, A, L, N, M, K> { system, at, of })
+}
+
+/// [`motion`], to be computed.
+struct Motion<
+    'a,
+    Sys: Constrained<N, M>,
+    F,
+    const A: bool,
+    const L: bool,
+    const N: usize,
+    const M: usize,
+    const K: usize,
+> {
+    system: &'a Sys,
+    at: &'a State<Sys::Scalar, N>,
+    of: F,
+}
+
+impl<Sys, F, const A: bool, const L: bool, const N: usize, const M: usize, const K: usize>
+    RealCase<Sys::Scalar> for Motion<'_, Sys, F, A, L, N, M, K>
+where
+    Sys: Constrained<N, M>,
+    F: Fn(
+        &State<Sys::Scalar, N>,
+        &SVector<Sys::Scalar, N>,
+        &SVector<Sys::Scalar, M>,
+    ) -> SVector<Sys::Scalar, K>,
+{
+    type Output = SVector<Sys::Scalar, K>;
+
+    #[inline]
+    fn real(self) -> Self::Output
+    where
+        Sys::Scalar: Real,
+    {
+        let near = least_sine(self.system, self.at) < BETWEEN;
+        let unknown = || constant(Sys::Scalar::from_f64(f64::NAN));
+        if near { self.across().unwrap_or_else(unknown) } else { self.any() }
+    }
+
+    #[inline]
+    fn any(self) -> Self::Output {
+        self.alone(self.at)
+    }
+}
+
+impl<Sys, F, const A: bool, const L: bool, const N: usize, const M: usize, const K: usize>
+    Motion<'_, Sys, F, A, L, N, M, K>
+where
+    Sys: Constrained<N, M>,
+    F: Fn(
+        &State<Sys::Scalar, N>,
+        &SVector<Sys::Scalar, N>,
+        &SVector<Sys::Scalar, M>,
+    ) -> SVector<Sys::Scalar, K>,
+{
+    /// The quantities of a state alone.
+    #[inline]
+    fn alone(&self, at: &State<Sys::Scalar, N>) -> SVector<Sys::Scalar, K> {
+        let (system, State { t, q, qd }) = (self.system, at);
+        let accelerations = if A { system.accel(q, qd, *t) } else { constant(Scalar::zero()) };
+        let multipliers = if L { system.multipliers(q, qd, *t) } else { constant(Scalar::zero()) };
+        (self.of)(at, &accelerations, &multipliers)
+    }
+
+    /// Those of a state at which gradients are nearly dependent, by the place or by masses that differ much.
+    #[cold]
+    #[inline(never)]
+    fn across(&self) -> Option<SVector<Sys::Scalar, K>>
+    where
+        Sys::Scalar: Real,
+    {
+        let (system, at) = (self.system, self.at);
+        let still = constant(Scalar::zero());
+        let force = system.momentum_rate(&at.q, &still, at.t);
+        let forced = || system.response(&at.q, &at.qd, at.t, &force, &constant(Scalar::zero())).0;
+        let reference =
+            aside(system, at, &at.qd, clock(system, at)).or_else(|| aside(system, at, &forced(), 0.0))?;
+        let independence = independence::<Sys, N, M>(system, &reference, at);
+        if independence >= BETWEEN {
+            return Some(self.alone(at));
+        }
+        let gradients = largest(&system.constraint_jacobian(&at.q, at.t));
+        let found = |h: f64, smooth: f64| {
+            Nodes::about(system, &reference, at, Sys::Scalar::from_f64(h), |nodes| {
+                let accel = |at: &State<_, N>| system.accel(&at.q, &at.qd, at.t);
+                let accelerations = nodes.middle(accel, smooth, smooth * nodes.pace)?;
+                let inertial = product(&system.inertia(&at.q, &at.qd, at.t), &accelerations);
+                let rounding = smooth * (largest(&force) + largest(&inertial)) / gradients;
+                let multipliers = |at: &State<_, N>| system.multipliers(&at.q, &at.qd, at.t);
+                match nodes.bounded(multipliers, smooth, rounding) {
+                    Some(multipliers) => Some((self.of)(at, &accelerations, &multipliers)),
+                    None => nodes.bounded(|at| self.alone(at), smooth, 0.0),
+                }
+            })
+        };
+        let on_branch = || Some(self.alone(&projected(system, at, &at.qd, 0.0, 0.0)?));
+        let near = || if independence >= CLOSE { on_branch() } else { found(0.0, SMOOTH) };
+        // Nodes farther apart lose fewer digits, if all is smooth there.
+        found(32.0 * WIDE / largest(&at.qd), SMOOTHER).or_else(near)
+    }
+}

@@ -2,7 +2,7 @@
 
 use super::branches::undetermined;
 use super::{Constrained, responses};
-use crate::diagnosis::{BRINK, MAX_MATRIX_BYTES, beside};
+use crate::diagnosis::{BRINK, MAX_MATRIX_BYTES, away, beside};
 use crate::failure::{Cause, Dependence, Failure};
 use crate::linear::{dot, ldlt};
 use crate::scalar::{Functions, Real, Scalar};
@@ -30,6 +30,52 @@ where
     let (Some(before), Some(here)) = (products(system, start), products(system, at)) else { return 1.0 };
     let rank = usual_rank::<Sys, N, M>(Some(&before), squares(&before)).unwrap_or(M).min(N);
     (Elimination::new(&here, longest(&before, &here)).least_pivot(rank) / usual_sine(&before, rank)).min(1.0)
+}
+
+/// Square of the sine of the smallest angle between the gradient of a constraint and the span of the others, in the
+/// metric of the inertia matrix, whether by the place or by masses that differ much: 1 where it is not known. Gradients
+/// that are longer at a state far away count as that long. Of constraints that follow from others everywhere, as many
+/// are left out.
+pub(super) fn least_sine<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+) -> f64
+where
+    Sys::Scalar: Real,
+{
+    if size_of::<SMatrix<Sys::Scalar, N, N>>() > MAX_MATRIX_BYTES {
+        return 1.0;
+    }
+    let Some(here) = products(system, at) else { return 1.0 };
+    let far = products(system, &away(at, FAR, 1.0)).unwrap_or(here);
+    let squares = longest(&far, &here);
+    let rank = usual_rank::<Sys, N, M>(Some(&far), squares).unwrap_or(M).min(N);
+    Elimination::new(&here, squares).least_pivot(rank)
+}
+
+/// Distance of a state at which gradients that vanish at another one are long, relative to `1 + |q|`.
+const FAR: f64 = 0.2;
+
+/// Constraints that do not follow from others at a state.
+pub(super) fn chosen<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+) -> [bool; M]
+where
+    Sys::Scalar: Real,
+{
+    if Sys::FACTS.redundancy.is_none() {
+        return [true; M];
+    }
+    let Some(products) = products(system, at) else { return [true; M] };
+    let squares = squares(&products);
+    let rank = usual_rank::<Sys, N, M>(Some(&products), squares).unwrap_or(M);
+    let mut elimination = Elimination::new(&products, squares);
+    for _ in 0..rank {
+        let Some((row, _)) = elimination.pivot() else { break };
+        elimination.eliminate(row);
+    }
+    elimination.chosen
 }
 
 /// Square of the sine between gradients at a state at which they are independent: where it is less than 1/20, it is so
@@ -170,7 +216,9 @@ fn products<Sys: Constrained<N, M>, const N: usize, const M: usize>(
 where
     Sys::Scalar: Real,
 {
-    let products = responses(system, at)?.1.map(|x| x.to_f64());
+    let inertia = system.inertia(&at.q, &at.qd, at.t).map(|x| x.to_f64());
+    let gradients = system.constraint_jacobian(&at.q, at.t).map(|x| x.to_f64());
+    let products = responses(&inertia, &gradients)?.1;
     let metric = (0..M).all(|j| products[(j, j)] >= -BRINK * products.amax());
     (metric && products.iter().all(|x| x.is_finite())).then_some(products)
 }

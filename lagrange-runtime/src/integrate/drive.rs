@@ -94,7 +94,7 @@ pub trait Drive<const N: usize> {
         &self,
         state: State<Number<Self, N>, N>,
     ) -> Result<State<Number<Self, N>, N>, Failure<Number<Self, N>>> {
-        Ok(self.system().restored(&state)?.map_or(state, |restored| restored.state))
+        self.engine().on_constraints(self.system(), state)
     }
 
     /// State and memory with which the next step will begin.

@@ -167,6 +167,28 @@ where
         dense
     }
 
+    /// The state on the constraints near one within a step. Near a state at which they are dependent it is on the
+    /// branch of the motion, or left where it is: a projection, which divides its error by δ, leads anywhere.
+    pub fn on_constraints(
+        &self,
+        system: &Sys,
+        at: State<Sys::Scalar, N>,
+    ) -> Result<State<Sys::Scalar, N>, Failure<Sys::Scalar>> {
+        let found = match system.restored(&at) {
+            Ok(None) => return Ok(at),
+            Ok(Some(Restored { state, .. })) => Ok(state),
+            Err(failure) => Err(failure),
+        };
+        let is_near = |found: &State<_, N>| tolerated(&self.controller, &found.minus(&at), &at, found);
+        if !Self::DEPENDENT || found.as_ref().is_ok_and(is_near) {
+            return found;
+        }
+        let zero = Sys::Scalar::zero();
+        let across = || system.restored_across(&self.reference, &at, zero).ok_or(());
+        let left = || (system.independence(&self.reference, &at) < NEARLY_DEPENDENT).then_some(at).ok_or(());
+        across().or_else(|()| left()).or(found)
+    }
+
     /// Returns whether the run goes forward in time.
     pub fn forward(&mut self, system: &Sys) -> Result<bool, Failure<Sys::Scalar>> {
         self.begin(system)?;
@@ -369,6 +391,9 @@ where
             beside = self.attempt_across_from(system, from, h).or(beside);
         }
         let beside = beside?;
+        if Self::DEPENDENT && Sys::Scalar::SLOPES {
+            system.differentiable(from, &beside.0.to)?;
+        }
         self.statistics.evaluations += u64::from(beside.0.evaluations);
         Ok(beside)
     }
@@ -548,12 +573,16 @@ where
         Ok(true)
     }
 
-    /// Decides after a step to `to` whether the next one is made across, too.
+    /// Decides after a step whether the next one is made across, too. Slopes may not go through such a state.
     #[cold]
     #[inline(never)]
-    fn gets_across(&mut self, system: &Sys, to: &State<Sys::Scalar, N>) {
+    fn gets_across(&mut self, system: &Sys, step: &Step<Sys, M, N>) -> Result<(), Failure<Sys::Scalar>> {
+        if Sys::Scalar::SLOPES {
+            system.differentiable(&step.from, &step.to)?;
+        }
         self.across[0] = self.across[1];
-        self.across[1] &= system.independence(&self.reference, to) < NEARLY_DEPENDENT;
+        self.across[1] = self.across[1] && system.independence(&self.reference, &step.to) < NEARLY_DEPENDENT;
+        Ok(())
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -583,8 +612,8 @@ where
             self.count += 1.0;
             step.to.t = next;
         }
-        if Self::DEPENDENT && self.across != [false; 2] {
-            self.gets_across(system, &step.to);
+        if Self::DEPENDENT && (self.across != [false; 2] || Sys::Scalar::SLOPES) {
+            self.gets_across(system, &step)?;
         }
         Ok(Some(self.commit(step, next_memory)))
     }
@@ -663,8 +692,8 @@ where
                 Verdict::Accept { factor } if !again => {
                     self.h = rules::next_step(self.h, h, factor, true, lands || stopped || near);
                     self.longest = self.longest.max(step.h.to_f64().abs());
-                    if Self::DEPENDENT && self.across != [false; 2] {
-                        self.gets_across(system, &step.to);
+                    if Self::DEPENDENT && (self.across != [false; 2] || Sys::Scalar::SLOPES) {
+                        self.gets_across(system, step)?;
                     }
                     return Ok(Some(self.commit(attempted?, next_memory)));
                 }

@@ -3,7 +3,7 @@
 //! Dekker, Numer. Math. 18 (1971) 224; Hida, Li and Bailey, *Library for double-double and quad-double arithmetic*
 //! (2007). The product is split (Dekker, Veltkamp) rather than fused: it has to work without `std`.
 
-use super::{Comparison, Functions, Real, Scalar};
+use super::{Comparison, Functions, Real, Scalar, real_case};
 use core::cmp::Ordering;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -279,6 +279,8 @@ impl PartialOrd for Double {
 
 impl Scalar for Double {
     type Pair = [Self; 2];
+
+    real_case! {}
 
     fn from_f64(x: f64) -> Self {
         Double::from(x)

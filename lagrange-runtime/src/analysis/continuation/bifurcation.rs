@@ -310,7 +310,7 @@ impl Curve<'_> {
     }
 }
 
-fn bifurcation(
+pub(super) fn bifurcation(
     kind: BifurcationKind,
     z: &DVector<f64>,
     direction: DVector<f64>,

@@ -38,11 +38,11 @@ pub struct Bifurcation {
     pub parameter: f64,
     /// Coordinates.
     pub q: DVector<f64>,
-    /// Direction in (q, μ) of the curve, at a fold or the onset of flutter, or of the one that crosses it; of a
-    /// multiple branch point, one of [`kernel`](Self::kernel).
+    /// Direction in (q, μ) of the curve, at a fold, the onset of flutter or dependent constraints, or of the one that
+    /// crosses it; of a multiple branch point, one of [`kernel`](Self::kernel).
     pub direction: DVector<f64>,
     /// Orthonormal directions in (q, μ) across the curve in which `F` does not change in first order: their number is
-    /// the multiplicity of a branch point. Empty at folds and the onset of flutter.
+    /// the multiplicity of a branch point. Empty at folds, the onset of flutter and dependent constraints.
     pub kernel: Vec<DVector<f64>>,
 }
 
@@ -64,6 +64,9 @@ pub enum BifurcationKind {
     /// A pair of complex eigenvalues of the small motions crosses the imaginary axis: oscillations begin to grow, or
     /// cease to (Hopf; flutter of circulatory systems).
     Flutter,
+    /// Constraints are dependent, and the mechanism can leave on another branch: other equilibria may begin there. The
+    /// curve goes on along its own branch.
+    DependentConstraints,
 }
 
 /// A curve of equilibria.
@@ -71,7 +74,8 @@ pub enum BifurcationKind {
 pub struct Branch {
     /// Its points.
     pub points: Vec<BranchPoint>,
-    /// Folds, branch points and onsets of flutter within the range, in the order of the steps.
+    /// Folds, branch points, onsets of flutter and positions with dependent constraints within the range, in the order
+    /// of the steps.
     pub bifurcations: Vec<Bifurcation>,
     /// It ends beyond the border of the range, which the last point may have passed, and not by [`Path::steps`].
     pub complete: bool,

@@ -16,6 +16,16 @@ pub(super) trait Equations {
     fn negative(&self, z: &DVector<f64>, jacobian: &DMatrix<f64>) -> Result<usize, AnalysisError>;
     /// Stability of the equilibrium with these small motions.
     fn stability(&self, z: &DVector<f64>, small: &SmallMotion) -> Result<Stability, AnalysisError>;
+    /// Are the gradients of constraints oriented alike at two points of a curve? Between those that are not,
+    /// constraints are dependent.
+    fn oriented_alike(&self, _: &DVector<f64>, _: &DVector<f64>) -> bool {
+        true
+    }
+    /// The error of a place near a position in which constraints are dependent: curves are lost there, since any
+    /// multiplier of the forces that vanish belongs to an equilibrium.
+    fn nearly_dependent(&self, _: &DVector<f64>) -> Option<AnalysisError> {
+        None
+    }
     /// Values of the switching functions.
     fn switching(&self, z: &DVector<f64>) -> Vec<f64>;
     /// Point and direction by the parameters with which a step begins, where those of an attitude are too long.

@@ -6,12 +6,13 @@
 use super::curve::{Curve, Equations, negative};
 use super::{Branch, Family, Heading, Path, begun, sizes};
 use crate::analysis::balance::smallest_solution;
-use crate::analysis::constrained::with_rounding;
+use crate::analysis::constrained::{FAR, SINGULAR, nearly_dependent, with_rounding};
 use crate::analysis::hypotheses::coordinate_names;
 use crate::analysis::stability::least_is_negative;
 use crate::analysis::switch::linearized;
-use crate::analysis::tangent::{ACTS, Held, TangentSpace, classes, stiffness_of_forces, units};
+use crate::analysis::tangent::{ACTS, Held, TangentSpace, classes, dynamic, stiffness_of_forces, units};
 use crate::analysis::{AnalysisError, SmallMotion, Stability};
+use crate::diagnosis::away;
 use crate::facts::{ConstraintKind, Facts};
 use crate::scalar::Dual;
 use crate::state::{ConstraintTerms, State};
@@ -210,6 +211,21 @@ impl<F: Fn(Dual<f64>) -> Sys, Sys: Linearize<N, Scalar = Dual<f64>>, const N: us
         let ([_, c, _], _) = self.matrices(z)?;
         let linear_damping = Sys::FACTS.linear_damping && !least_is_negative(&c)?;
         small.stability(&Facts { linear_damping, linear: false, ..Sys::FACTS })
+    }
+
+    fn nearly_dependent(&self, z: &DVector<f64>) -> Option<AnalysisError> {
+        let (system, at) = self.family.at_rest(&self.plain(z));
+        let [here, far] = [at, away(&at, FAR, 1.0)].map(|at| Held::all(&system, &at).ok());
+        let units = units(&dynamic(&system.inertia(&at.q, &at.qd, at.t).map(|x| x.value)));
+        nearly_dependent(&here?, &far?, &units, SINGULAR)
+    }
+
+    fn oriented_alike(&self, one: &DVector<f64>, other: &DVector<f64>) -> bool {
+        let rows = |z: &DVector<f64>| {
+            let terms = self.family.terms(&self.plain(z));
+            DMatrix::from_fn(self.count, N, |j, i| terms[j].row[i].value)
+        };
+        (rows(one) * rows(other).transpose()).determinant() >= 0.0
     }
 
     fn switching(&self, z: &DVector<f64>) -> Vec<f64> {

@@ -1,5 +1,6 @@
 //! Steps along a curve of equilibria.
 
+use super::bifurcation::bifurcation;
 use super::branch::{Bifurcation, BifurcationKind, Branch, BranchPoint, Path};
 use super::curve::{Curve, Place, cubic, flat};
 use crate::analysis::AnalysisError;
@@ -45,6 +46,7 @@ pub(super) fn followed(curve: &Curve, start: Place, path: &Path) -> Result<Branc
         };
         branch.bifurcations.extend(found.into_iter().filter(|found| !near(found)));
         branch.bifurcations.extend(curve.flutter(&from, &to)?);
+        branch.bifurcations.extend(curve.dependent([&from, &middle, &to]));
         branch.points.push(point);
         from = match curve.equations.turned(&to.z, &to.tangent) {
             Some([z, tangent]) => curve.place(z, &tangent.normalize())?,
@@ -126,6 +128,9 @@ impl Curve<'_> {
         if let Some(index) = (0..here.len()).find(|&k| here[k] * there[k] <= 0.0) {
             return AnalysisError::Switch { index };
         }
+        if let Some(dependent) = self.equations.nearly_dependent(&from.z) {
+            return dependent;
+        }
         AnalysisError::Unresolved { parameter: from.z[from.z.len() - 1], step: h }
     }
 
@@ -165,6 +170,20 @@ impl Curve<'_> {
         Ok(())
     }
 
+    /// Positions between places at which constraints are dependent.
+    fn dependent(&self, [from, middle, to]: [&Place; 3]) -> impl Iterator<Item = Bifurcation> {
+        [(from, middle), (middle, to)].into_iter().filter_map(|(a, b)| {
+            // (Where constraints are dependent, corrections may lead astray.)
+            let at = |x: f64| self.between(a, b, x).map_or_else(|_| cubic(a, b, x), |at| (at.z, at.tangent));
+            let mut alike = |x: f64| if self.equations.oriented_alike(&a.z, &at(x).0) { 1.0 } else { -1.0 };
+            (!self.equations.oriented_alike(&a.z, &b.z)).then(|| {
+                let x = first_zero(&mut alike, (0.0, 1.0), (1.0, -1.0), f64::EPSILON);
+                let (z, direction) = at(x);
+                bifurcation(BifurcationKind::DependentConstraints, &z, direction, Vec::new())
+            })
+        })
+    }
+
     /// Bisects for the point between two places at which a pair of complex roots begins or ceases to grow.
     fn flutter(&self, a: &Place, b: &Place) -> Result<Option<Bifurcation>, AnalysisError> {
         let growing = |place: &Place| self.equations.small(&place.z)?.growing_oscillation();
@@ -184,16 +203,9 @@ impl Curve<'_> {
             }
         }
         let at = self.between(a, b, wild)?;
-        let n = at.z.len() - 1;
         // Two growing roots that become a pair have grown before.
         let onset = growing(&at)?.filter(|root| root.re <= ONSET * root.norm());
-        Ok(onset.map(|_| Bifurcation {
-            kind: BifurcationKind::Flutter,
-            parameter: at.z[n],
-            q: at.z.rows(0, n).into_owned(),
-            direction: at.tangent.clone(),
-            kernel: Vec::new(),
-        }))
+        Ok(onset.map(|_| bifurcation(BifurcationKind::Flutter, &at.z, at.tangent.clone(), Vec::new())))
     }
 }
 
