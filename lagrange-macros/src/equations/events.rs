@@ -15,7 +15,7 @@ const MAX_DERIVED_OPERATIONS: usize = 200;
 /// g, ġ and g̈ of one event in terms of q, q̇, t and given accelerations.
 pub struct EventFunction {
     pub value: Value,
-    /// By accelerations and multipliers, under constraints, if it depends on these.
+    /// The value by accelerations and multipliers, under constraints, if it depends on these.
     pub by_motion: Option<Value>,
     pub rates: [Option<Value>; 2],
 }
