@@ -98,6 +98,34 @@ lagrangian! {
     }
 }
 
+lagrangian! {
+    /// A slider-crank and a hanging mass in space of the size l, by places.
+    system Small {
+        param l, g = 9.81;
+        coord x, y, s, u, v;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2) + dot(s).powi(2) + dot(u).powi(2) + dot(v).powi(2));
+        V = g * (y + v);
+        constraint crank: x.powi(2) + y.powi(2) == (0.3 * l).powi(2);
+        constraint rod: (x - s).powi(2) + y.powi(2) == (0.8 * l).powi(2);
+        constraint rope: (u - s).powi(2) + v.powi(2) == l.powi(2);
+        observe loads = [reaction(crank), reaction(rod), reaction(rope)];
+    }
+}
+
+lagrangian! {
+    /// A truss of two bars that hold a node, on a support that could move.
+    system Truss {
+        param h = 1, load = 3, w = 0;
+        coord x, y;
+        coord p = w * t;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = load * y;
+        constraint left: (x - p + 1).powi(2) + (y - h).powi(2) == 1 + h.powi(2);
+        constraint right: (x - p - 1).powi(2) + (y - h).powi(2) == 1 + h.powi(2);
+        observe bars = [reaction(left), reaction(right)];
+    }
+}
+
 const START: [f64; 3] = [1.2, 1.2, 0.0];
 
 /// Acceleration and multipliers of a state on the parallelogram, by hand: the load's moment about the first pin gives
@@ -371,4 +399,36 @@ fn equilibria_in_singular_positions_are_told() {
         "{error}"
     );
     assert!(SmallMotion::steady(&belt, &State::new(0.0, [0.0; 2], [1.0, 0.0])).is_ok());
+}
+
+/// Whatever the unit of length, loads of regular mechanisms are those of the state alone, in motion and at rest.
+#[test]
+fn loads_of_small_mechanisms() {
+    for l in [1e-6, 1e-3, 1.0, 1e3] {
+        let small = Small::new(l);
+        for (angle, rate) in [(0.4, 3.0), (0.0, 3.0), (1.3, 0.0), (2.9, -0.01)] {
+            let b = -(0.375 * f64::sin(angle)).asin();
+            let (x, y) = (0.3 * l * angle.cos(), 0.3 * l * angle.sin());
+            let s = x + 0.8 * l * b.cos();
+            let guess =
+                State::new(0.0, [x, y, s, s + 0.6 * l, -0.8 * l], [-rate * y, rate * x, 0.0, 0.0, 0.0]);
+            let at = consistent(&small, &guess).unwrap();
+            let (found, alone) = (small.loads_at(&at), small.loads(&at.q, &at.qd, 0.0));
+            assert!((found - alone).amax() <= 1e-9 * alone.amax(), "{l:e} {angle} {rate}: {found} {alone}");
+        }
+    }
+}
+
+/// Nothing moves in a truss: bars in a right angle, and flat ones of which each carries much.
+#[test]
+fn loads_of_a_truss() {
+    for h in [1.0, 0.1, 1e-2, 1e-3] {
+        let truss = Truss { h, ..Truss::new() };
+        let at = State::new(0.0, [0.0; 2], [0.0; 2]);
+        // Each bar has −2 h λ of vertical force: half of the load.
+        let (found, exact) = (truss.bars_at(&at), -0.5 * truss.load / (2.0 * h));
+        let right = found.iter().all(|x| (x - exact).abs() < 1e-9 * exact.abs());
+        println!("{h:e}: {} for {exact}", found[0]);
+        assert!(right || h < 0.02 && found.iter().all(|x| x.is_nan()), "{h}: {found} {exact}");
+    }
 }

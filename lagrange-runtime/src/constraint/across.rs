@@ -292,6 +292,35 @@ where
     [-s, s].into_iter().find_map(|s| projected(system, at, along, s, clock))
 }
 
+/// [`aside`] as far as the nearest state on the constraints follows, in whatever units.
+fn nearest_aside<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+    along: &SVector<Sys::Scalar, N>,
+    clock: f64,
+) -> Option<State<Sys::Scalar, N>>
+where
+    Sys::Scalar: Real,
+{
+    let fastest = largest(along);
+    let follows = |state: &State<Sys::Scalar, N>, s: f64| {
+        let off = state.q - at.q - along * Sys::Scalar::from_f64(s);
+        largest(&off) <= BESIDE * s.abs() * fastest
+    };
+    (0..SCALES).find_map(|k| {
+        let s = ASIDE / fastest / f64::from(1u32 << (2 * k));
+        [-s, s]
+            .into_iter()
+            .find_map(|s| projected(system, at, along, s, clock).filter(|state| follows(state, s)))
+    })
+}
+
+/// Distances of a state aside that are tried, each a quarter of the one before: down to 1e-10.
+const SCALES: u32 = 16;
+
+/// Length of a gradient, relative to that far away, that is no rounding.
+const VANISHED: f64 = 1e-6;
+
 /// A start on the branch that its velocity is along, if there is one and no other one touches it.
 fn on_branch<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system: &Sys,
@@ -399,7 +428,7 @@ where
     where
         Sys::Scalar: Real,
     {
-        let near = least_sine(self.system, self.at) < BETWEEN;
+        let near = least_sine(self.system, self.at, 1.0) < BETWEEN;
         let unknown = || constant(Sys::Scalar::from_f64(f64::NAN));
         if near { self.across().unwrap_or_else(unknown) } else { self.any() }
     }
@@ -440,8 +469,11 @@ where
         let still = constant(Scalar::zero());
         let force = system.momentum_rate(&at.q, &still, at.t);
         let forced = || system.response(&at.q, &at.qd, at.t, &force, &constant(Scalar::zero())).0;
-        let reference =
-            aside(system, at, &at.qd, clock(system, at)).or_else(|| aside(system, at, &forced(), 0.0))?;
+        let moving = || nearest_aside(system, at, &at.qd, clock(system, at));
+        let Some(reference) = moving().or_else(|| nearest_aside(system, at, &forced(), 0.0)) else {
+            // Where nothing moves, gradients alone tell.
+            return (least_sine(system, at, VANISHED) >= CLOSE).then(|| self.alone(at));
+        };
         let independence = independence::<Sys, N, M>(system, &reference, at);
         if independence >= BETWEEN {
             return Some(self.alone(at));

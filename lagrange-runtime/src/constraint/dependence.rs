@@ -34,11 +34,12 @@ where
 
 /// Square of the sine of the smallest angle between the gradient of a constraint and the span of the others, in the
 /// metric of the inertia matrix, whether by the place or by masses that differ much: 1 where it is not known. Gradients
-/// that are longer at a state far away count as that long. Of constraints that follow from others everywhere, as many
-/// are left out.
+/// count as long as this part of what they are at a state far away, if they are shorter. Of constraints that follow
+/// from others everywhere, as many are left out.
 pub(super) fn least_sine<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
+    part: f64,
 ) -> f64
 where
     Sys::Scalar: Real,
@@ -48,7 +49,7 @@ where
     }
     let Some(here) = products(system, at) else { return 1.0 };
     let far = products(system, &away(at, FAR, 1.0)).unwrap_or(here);
-    let squares = longest(&far, &here);
+    let squares = longest(&(far * (part * part)), &here);
     let rank = usual_rank::<Sys, N, M>(Some(&far), squares).unwrap_or(M).min(N);
     Elimination::new(&here, squares).least_pivot(rank)
 }
