@@ -239,3 +239,40 @@ fn the_accelerations_of_the_rest_are_enough() {
     check::<Together, 1, 1, 2>(&Apart::new(1.3, 2.0, 0.7));
     const { assert!(Together::<f64>::FACTS.linear) };
 }
+
+lagrangian! {
+    /// A lag drives a mass, and that one another, whose spring pulls at a third one; nothing acts back on the first.
+    pub system Servo {
+        param k, c, tau;
+        coord load, other, mass;
+        state lag;
+        rate(lag) = ((2 * t).sin() - lag) / tau;
+        T = 0.5 * (dot(load).powi(2) + dot(other).powi(2) + dot(mass).powi(2));
+        V = 0.5 * k * ((load - other).powi(2) + mass * mass);
+        D = 0.5 * c * dot(mass).powi(2);
+        Q[mass] = lag;
+        Q[load] = k * (mass - load);
+    }
+}
+
+lagrangian! {
+    /// x is driven by a constraint in which y moves nothing.
+    pub system Led {
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = 0.5 * y * y;
+        constraint led: dot(x) == y;
+    }
+}
+
+#[test]
+fn drivers_come_before_what_they_drive() {
+    let facts = <Servo as Lagrangian<4>>::FACTS;
+    assert_eq!(facts.coordinates, ["load", "other", "mass", "lag"]);
+    assert_eq!(facts.cascade, [&[3][..], &[2], &[0, 1]]);
+    assert_eq!(facts.blocks, [&[0, 1, 2, 3][..]]);
+    let facts = <Led as Lagrangian<2>>::FACTS;
+    assert_eq!((facts.cascade, facts.blocks), (&[&[1][..], &[0]][..], &[&[0, 1][..]][..]));
+    // Where all are coupled there is one group.
+    assert_eq!(<Spatial as Lagrangian<4>>::FACTS.cascade, [&[0, 1, 2, 3][..]]);
+}

@@ -30,7 +30,7 @@ use crate::model::Reduction;
 use crate::program::lower::program;
 use crate::syntax;
 use crate::table::{Computation, OUTPUTS};
-use generate::{Random, System, system};
+use generate::{Random, System, driven, system};
 use nalgebra::DMatrix;
 use reference::{Named, Reference, State};
 use rounding::{Noise, SIZE};
@@ -81,6 +81,11 @@ impl Case {
     fn new(seed: u64) -> Case {
         let mut random = Random::new(seed);
         let system = system(&mut random);
+        Case::of(seed, system, random)
+    }
+
+    /// A system with random numbers.
+    fn of(seed: u64, system: System, mut random: Random) -> Case {
         let mut numbers = |n: usize, low: f64, high: f64| (0..n).map(|_| random.between(low, high)).collect();
         let n = system.coordinates;
         let (parameters, q, qd) =
@@ -247,6 +252,7 @@ impl Case {
         for kind in self.kinds(&whole) {
             *tally.kinds.entry(kind).or_default() += 1;
         }
+        self.check_cascade(&whole, &values);
         for value in values {
             let Value { name, expected, found, granted, condition, .. } = &value;
             let Some(found) = found else { continue };
@@ -269,6 +275,25 @@ impl Case {
                 self.seed,
                 name,
             );
+        }
+    }
+
+    /// Accelerations of coordinates that are said to drive others do not depend on these.
+    fn check_cascade(&self, whole: &Derived, values: &[Value]) {
+        let (n, groups) = (self.system.coordinates, &whole.equations.facts.cascade);
+        for (k, group) in groups.iter().enumerate() {
+            let (drivers, driven) = (groups[..k].concat(), group);
+            let slopes =
+                drivers.iter().flat_map(|i| driven.iter().flat_map(move |j| [j * n + i, (n + j) * n + i]));
+            for name in slopes.map(|place| format!("jacobian[{place}]")) {
+                let slope = values.iter().find(|value| value.name == name).expect("a slope of the reference");
+                assert!(
+                    !slope.known() || slope.expected.abs() <= slope.granted,
+                    "{groups:?}, but {name} is {:e}\n{}",
+                    slope.expected,
+                    self.text()
+                );
+            }
         }
     }
 
@@ -479,6 +504,38 @@ fn random_systems() {
             [52_701, 84_388, 113_456, 5_033_808].into_iter().for_each(|seed| check(seed..seed + 1));
         }
     }
+}
+
+/// Groups of oscillators that drive others are found: none is larger than what slopes of the accelerations tell.
+#[test]
+fn random_cascades() {
+    let (mut tally, mut cascades) = (Tally::default(), 0);
+    for seed in 0..FEW / 2 {
+        let mut random = Random::new(seed);
+        let case = Case::of(seed, driven(&mut random), random);
+        case.check(&mut tally);
+        let Ok((whole, _)) = case.compiled() else { continue };
+        let Some(values) = case.values(&whole, None) else { continue };
+        let n = case.system.coordinates;
+        let slopes: BTreeMap<&str, f64> = values.iter().map(|v| (&*v.name, v.expected)).collect();
+        let depends = |i: usize, j: usize| {
+            [j * n + i, (n + j) * n + i].iter().any(|k| slopes[&*format!("jacobian[{k}]")] != 0.0)
+        };
+        // Each reaches every other one of its group.
+        for group in &whole.equations.facts.cascade {
+            let mut reached = vec![group[0]];
+            for k in 0.. {
+                let Some(&at) = reached.get(k) else { break };
+                let more: Vec<usize> =
+                    group.iter().copied().filter(|j| depends(at, *j) && !reached.contains(j)).collect();
+                reached.extend(more);
+            }
+            assert_eq!(reached.len(), group.len(), "{group:?}\n{}", case.text());
+        }
+        cascades += u64::from(whole.equations.facts.cascade.len() > whole.equations.facts.blocks.len());
+    }
+    tally.report();
+    assert!(cascades > FEW / 8, "{cascades}");
 }
 
 /// Every word of the language is written by the generator, or it would never be compared.

@@ -675,7 +675,8 @@ impl Emitter<'_> {
             (f.autonomous, f.quadratic_forces, f.linear_damping);
         let analytic = self.d.equations.analytic();
         let ignorable = &f.ignorable;
-        let blocks = f.blocks.iter().map(|block| quote!(&[#(#block),*]));
+        let [blocks, cascade] = [&f.blocks, &f.cascade]
+            .map(|groups| groups.iter().map(|group| quote!(&[#(#group),*])).collect::<Vec<_>>());
         let o = &self.d.equations.solved.operations;
         let (additions, multiplications, divisions) = (o.additions, o.multiplications, o.divisions);
         let (sin_cos, functions) = (o.sin_cos, o.functions);
@@ -699,6 +700,7 @@ impl Emitter<'_> {
                 linear: #linear,
                 analytic: #analytic,
                 blocks: &[#(#blocks),*],
+                cascade: &[#(#cascade),*],
                 #scalings
                 #constraints
                 operations: #runtime::Operations {

@@ -42,6 +42,11 @@ pub struct Facts {
     pub analytic: bool,
     /// Groups of coordinates that move independently of each other.
     pub blocks: &'static [&'static [usize]],
+    /// Groups of coordinates in an order in which each is driven by those before it at most: their accelerations
+    /// depend on time, on coordinates and velocities of the own group, and on those of groups before it. More groups
+    /// than blocks are a coupling in one way: the first ones may be computed without the others, and what they do to
+    /// these is given.
+    pub cascade: &'static [&'static [usize]],
     /// Dimensionless groups of the parameters: products of powers, by name and exponent. Systems that agree in all of
     /// them have the same motions but for units, so a study has to vary these alone (Buckingham, Phys. Rev. 4 (1914)
     /// 345). Numbers in the text of the system count as dimensionless. Each parameter is a group where the compiler
@@ -100,6 +105,7 @@ impl Facts {
         linear: false,
         analytic: false,
         blocks: &[],
+        cascade: &[],
         dimensionless_groups: &[],
         similarities: &[],
         constraints: &[],

@@ -1,12 +1,14 @@
 //! Random systems as a user would write them.
 
 mod bodies;
+mod driven;
 mod linkage;
 mod terms;
 mod written;
 
 use crate::graph::modular::{INCREMENT, mixed};
 use bodies::bodies;
+pub use driven::driven;
 use linkage::linkage;
 use terms::{Scope, terms};
 

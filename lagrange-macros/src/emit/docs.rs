@@ -384,6 +384,13 @@ fn facts(d: &Derived, writer: &Writer) -> Vec<String> {
         let blocks: Vec<String> = f.blocks.iter().map(|block| format!("{{{}}}", listed(block))).collect();
         lines.push(format!("- Independent blocks: {}.", blocks.join(", ")));
     }
+    if f.cascade.len() > f.blocks.len() && n <= 12 {
+        let groups: Vec<String> = f.cascade.iter().map(|group| format!("{{{}}}", listed(group))).collect();
+        lines.push(format!(
+            "- One-way coupling: {}, each driven by those before it at most.",
+            groups.join(", ")
+        ));
+    }
     lines.extend(scales(d));
     let o = &e.solved.operations;
     let counts = [

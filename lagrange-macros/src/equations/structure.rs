@@ -2,6 +2,7 @@
 //! multiplying out (`graph/normal.rs`).
 
 use super::common::{independent, jumps};
+use super::constraints::Rows;
 use super::formed::Formed;
 use super::quantities::Quantities;
 use super::solve::{Symmetric, blocks, entry};
@@ -24,6 +25,7 @@ pub struct Facts {
     pub quadratic_forces: bool,
     pub linear: bool,
     pub blocks: Vec<Vec<usize>>,
+    pub cascade: Vec<Vec<usize>>,
 }
 
 fn is_velocity(s: Symbol) -> bool {
@@ -119,6 +121,7 @@ pub fn facts(
         // The slopes of a force that jumps do not show where.
         !jumps(g, right).iter().any(|s| state.contains(s)) && independent(g, &slopes, is_state)
     };
+    let (blocks, cascade) = coupling(g, matrix, right, rows);
     Facts {
         scleronomic,
         autonomous,
@@ -130,31 +133,35 @@ pub fn facts(
         quadratic,
         quadratic_forces,
         linear,
-        blocks: coupled_blocks(g, matrix, right, &rows.jacobian),
+        blocks,
+        cascade,
     }
 }
 
-/// Coordinates that the equations do not couple: neither by M and the constraints, nor by what their entries depend on.
-fn coupled_blocks(
+/// Blocks of coordinates that the equations do not couple, neither by M and the constraints nor by what their entries
+/// depend on; and groups that are coupled in one way at most, drivers first.
+fn coupling(
     g: &Graph,
     matrix: &Symmetric,
     right: &[Value],
-    jacobian: &[Vec<Value>],
-) -> Vec<Vec<usize>> {
+    rows: &Rows,
+) -> (Vec<Vec<usize>>, Vec<Vec<usize>>) {
     let n = right.len();
     let touch = |i: usize, j: usize| {
-        !entry(matrix, i, j).is_zero() || jacobian.iter().any(|row| !row[i].is_zero() && !row[j].is_zero())
+        !entry(matrix, i, j).is_zero()
+            || rows.jacobian.iter().any(|row| !row[i].is_zero() && !row[j].is_zero())
     };
     // As a rule M alone couples all coordinates. Rows of many have long expressions.
     let by_entries = blocks(n, touch);
     if by_entries.len() == 1 {
-        return by_entries;
+        return (by_entries.clone(), by_entries);
     }
     let depends = |i: usize| {
         let mut row: Vec<Value> = (0..n).map(|j| entry(matrix, i, j)).collect();
         row.push(right[i]);
-        row.extend(jacobian.iter().filter(|a| !a[i].is_zero()).flatten());
-        let mut depends = vec![false; n];
+        let held = rows.jacobian.iter().zip(&rows.drift).filter(|(a, _)| !a[i].is_zero());
+        held.for_each(|(a, drift)| row.extend(a.iter().chain([drift])));
+        let mut depends: Vec<bool> = (0..n).map(|j| touch(i, j)).collect();
         for symbol in g.symbols(&row) {
             if let Symbol::Coordinate(j) | Symbol::Velocity(j) = symbol {
                 depends[j] = true;
@@ -163,5 +170,58 @@ fn coupled_blocks(
         depends
     };
     let depends: Vec<Vec<bool>> = (0..n).map(depends).collect();
-    blocks(n, |i, j| depends[i][j] || depends[j][i] || touch(i, j))
+    (blocks(n, |i, j| depends[i][j] || depends[j][i]), driven_last(&depends))
+}
+
+/// The strongly connected components of a graph in which `depends[i][j]` says that i depends on j: each after those
+/// that it depends on (Kosaraju's two searches; Sharir, *Computers and Mathematics with Applications* 7, 1981).
+fn driven_last(depends: &[Vec<bool>]) -> Vec<Vec<usize>> {
+    let n = depends.len();
+    // Everything that is reached from `first` and was not before, each after what is reached through it.
+    let reached = |first: usize, seen: &mut [bool], edge: &dyn Fn(usize, usize) -> bool| {
+        let (mut path, mut left) = (vec![(first, 0)], Vec::new());
+        seen[first] = true;
+        while let Some((at, next)) = path.pop() {
+            match (next..n).find(|&j| edge(at, j) && !seen[j]) {
+                Some(j) => {
+                    seen[j] = true;
+                    path.extend([(at, j + 1), (j, 0)]);
+                }
+                None => left.push(at),
+            }
+        }
+        left
+    };
+    let (mut seen, mut order) = (vec![false; n], Vec::new());
+    for i in 0..n {
+        if !seen[i] {
+            order.extend(reached(i, &mut seen, &|driver, driven| depends[driven][driver]));
+        }
+    }
+    let (mut seen, mut groups) = (vec![false; n], Vec::new());
+    for &i in order.iter().rev() {
+        if !seen[i] {
+            let mut group = reached(i, &mut seen, &|driven, driver| depends[driven][driver]);
+            group.sort_unstable();
+            groups.push(group);
+        }
+    }
+    groups
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn drivers_come_first() {
+        // 2 and 0 drive each other, and 3; 3 drives 1; 4 is alone.
+        let edges = [(2, 0), (0, 2), (3, 0), (1, 3)];
+        let depends: Vec<Vec<bool>> =
+            (0..5).map(|i| (0..5).map(|j| edges.contains(&(i, j))).collect()).collect();
+        let groups = driven_last(&depends);
+        let place = |i: usize| groups.iter().position(|group| group.contains(&i)).unwrap();
+        assert_eq!((groups.len(), &groups[place(0)]), (4, &vec![0, 2]));
+        assert!(place(0) < place(3) && place(3) < place(1));
+    }
 }

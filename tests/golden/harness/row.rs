@@ -396,6 +396,10 @@ fn summary(facts: &Facts) -> String {
         let blocks: Vec<String> = facts.blocks.iter().map(|block| names(block)).collect();
         found.push(format!("blocks {}", blocks.join(" | ")));
     }
+    if facts.cascade.len() > facts.blocks.len() {
+        let groups: Vec<String> = facts.cascade.iter().map(|group| names(group)).collect();
+        found.push(format!("cascade {}", groups.join(" > ")));
+    }
     found.join(", ")
 }
 
