@@ -239,7 +239,7 @@ fn incline() -> Row {
 /// Without torques it rolls along a circle of radius a θ̇/φ̇. Neither constraint can be integrated.
 fn rolling_disk() -> Row {
     let row = Row::constrained::<RollingDisk, 4>(
-        "scleronomic, constant inertia, quadratic, along nonholonomic, across nonholonomic",
+        "scleronomic, constant inertia, quadratic, along nonholonomic, across nonholonomic, cascade phi > x y theta",
     );
     let reference = row.subject().reference.clone();
     let circle = reference.special("free_rolling_closed_form");
