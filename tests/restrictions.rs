@@ -273,6 +273,6 @@ fn drivers_come_before_what_they_drive() {
     assert_eq!(facts.blocks, [&[0, 1, 2, 3][..]]);
     let facts = <Led as Lagrangian<2>>::FACTS;
     assert_eq!((facts.cascade, facts.blocks), (&[&[1][..], &[0]][..], &[&[0, 1][..]][..]));
-    // Where all are coupled there is one group.
+    // Coordinates that are all coupled are one group.
     assert_eq!(<Spatial as Lagrangian<4>>::FACTS.cascade, [&[0, 1, 2, 3][..]]);
 }

@@ -335,6 +335,14 @@ fn swap<S: SimdScalar, T: Entry<S>, const N: usize, const M: usize>(
     }
 }
 
+impl<const N: usize> Lu<f64, f64, N> {
+    /// Is the determinant negative? Its size, a product that may overflow, is not formed.
+    pub fn has_negative_determinant(&self) -> bool {
+        let changes = |j: usize| (self.rows[j] != j as f64) ^ (self.factors[(j, j)] < 0.0);
+        (0..N).fold(false, |negative, j| negative ^ changes(j))
+    }
+}
+
 impl<S: SimdScalar, T: Entry<S>, const N: usize> Lu<S, T, N> {
     /// The `x` with `A x = b`.
     #[cfg_attr(not(debug_assertions), inline(always))]

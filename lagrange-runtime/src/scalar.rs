@@ -173,6 +173,36 @@ macro_rules! real_case {
 }
 pub(crate) use real_case;
 
+/// [`Scalar::by_case`] of a number that is made of others: it is a [`Real`] where they are.
+macro_rules! real_case_of_parts {
+    ($number:ident<$S:ident $(, $D:ident)?>) => {
+        #[inline]
+        fn by_case<C: $crate::scalar::RealCase<Self>>(case: C) -> C::Output {
+            struct OfParts<C $(, const $D: usize)?>(C);
+
+            impl<$S: Scalar, C: $crate::scalar::RealCase<$number<$S $(, $D)?>> $(, const $D: usize)?>
+                $crate::scalar::RealCase<$S> for OfParts<C $(, $D)?>
+            {
+                type Output = C::Output;
+
+                fn real(self) -> C::Output
+                where
+                    $S: Real,
+                {
+                    self.0.real()
+                }
+
+                fn any(self) -> C::Output {
+                    self.0.any()
+                }
+            }
+
+            $S::by_case(OfParts::<C $(, $D)?>(case))
+        }
+    };
+}
+pub(crate) use real_case_of_parts;
+
 /// A scalar that is one ordered number: the time of an adaptive run and whatever has to be compared.
 pub trait Real: Scalar + PartialOrd {
     /// The value, as used for decisions (of a [`Dual`]: its value, not its slope).

@@ -436,8 +436,8 @@ lagrangian! {
     }
 }
 
-/// How far polynomials of order 20 miss the equations of motion after a short time: all their coefficients, of which
-/// the last ones come from nowhere but the recurrences, are those of the accelerations.
+/// Polynomials of order 20 miss the equations of motion after a short time by rounding: all their coefficients, of
+/// which the last ones come from nowhere but the recurrences, are those of the accelerations.
 #[test]
 fn series_are_those_of_the_accelerations() {
     use lagrange_runtime::DoubleDouble;
@@ -517,8 +517,8 @@ fn drifts(starts: u32, powers: std::ops::RangeInclusive<i32>, tolerance: f64) ->
     roots
 }
 
-/// Where steps are so short that their remainders are less than roundings: a root of the number of steps, of 1.4
-/// roundings each.
+/// Energies drift by 1.4 roundings a step, as a root of their number, in steps so short that their remainders are less
+/// than that.
 #[test]
 fn roundings_grow_as_the_root_of_time() {
     let drifts = drifts(20, 1..=3, 1e-16);

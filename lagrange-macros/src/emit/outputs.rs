@@ -165,12 +165,18 @@ impl Emitter<'_> {
     pub fn motion(&self, values: &[Value]) -> TokenStream {
         let runtime = &self.d.model.runtime;
         let [n, m] = [Size::Coordinates, Size::Constraints].map(|size| self.d.size(size));
-        let reads = |symbol: fn(Symbol) -> bool| self.d.graph.depends(values, symbol);
-        let accelerations = reads(|s| matches!(s, Symbol::Acceleration(_)))
-            .then(|| quote!(let accelerations = #runtime::System::<#n>::accel(self, q, qd, t);));
-        let multipliers = reads(|s| matches!(s, Symbol::Multiplier(_)))
+        let [accelerations, multipliers] = self.read(values);
+        let accelerations =
+            accelerations.then(|| quote!(let accelerations = #runtime::System::<#n>::accel(self, q, qd, t);));
+        let multipliers = multipliers
             .then(|| quote!(let multipliers = #runtime::Constrained::<#n, #m>::multipliers(self, q, qd, t);));
         quote!(#accelerations #multipliers)
+    }
+
+    /// Are these values made of accelerations, and of multipliers?
+    fn read(&self, values: &[Value]) -> [bool; 2] {
+        let reads = |symbol: fn(Symbol) -> bool| self.d.graph.depends(values, symbol);
+        [reads(|s| matches!(s, Symbol::Acceleration(_))), reads(|s| matches!(s, Symbol::Multiplier(_)))]
     }
 
     /// A part of the solution of least norm under constraints that follow from others.
@@ -304,9 +310,7 @@ impl Emitter<'_> {
     pub fn by_motion(&self, gives: Shape, values: &[Value]) -> TokenStream {
         let runtime = &self.d.model.runtime;
         let [n, m] = [Size::Coordinates, Size::Constraints].map(|size| self.d.size(size));
-        let reads = |symbol: fn(Symbol) -> bool| self.d.graph.depends(values, symbol);
-        let accelerations = reads(|s| matches!(s, Symbol::Acceleration(_)));
-        let multipliers = reads(|s| matches!(s, Symbol::Multiplier(_)));
+        let [accelerations, multipliers] = self.read(values);
         let (statements, results) = self.statements(values);
         let (count, all) = (values.len(), results.part(0..values.len()));
         let result = match gives {

@@ -19,6 +19,7 @@ use crate::facts::ConstraintKind;
 use crate::failure::Coordinate;
 use crate::integrate::integrate;
 use crate::method::explicit_rk::Rk4;
+use crate::scalar::Real;
 use crate::state::State;
 use crate::system::{Facts, Jacobian, Lagrangian, Linearize};
 use core::cell::RefCell;
@@ -40,7 +41,7 @@ const RESTING: &str = "constraints that admit rest, and one on velocities moves 
 pub(super) const SINGULAR: f64 = 1e-2;
 
 /// Distance of a state that shows how long gradients are elsewhere, relative to `1 + |q|`.
-pub(super) const FAR: f64 = 0.2;
+const FAR: f64 = 0.2;
 
 /// Least singular value of gradients at a state with digits for small motions.
 const VANISHED: f64 = 1e-8;
@@ -61,10 +62,18 @@ fn held<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
     let units = units(&dynamic(&system.inertia(&at.q, &at.qd, at.t)));
     TangentSpace::new(&all, &units, &[ACTS; N])?;
     // (A gradient that is rounding is no direction.)
-    match nearly_dependent(&all, &Held::all(system, &away(at, FAR, 1.0))?, &units, VANISHED) {
+    match nearly_dependent(&all, &far(system, at)?, &units, VANISHED) {
         Some(error) => Err(error),
         None => Ok(all),
     }
+}
+
+/// The constraints at a state that shows how long gradients are elsewhere.
+pub(super) fn far<Sys: Lagrangian<N, Scalar: Real>, const N: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+) -> Result<Vec<Held>, AnalysisError> {
+    Held::all(system, &away(at, FAR, 1.0))
 }
 
 /// Small motions about a state without accelerations, but for those of coordinates that do not matter.
@@ -422,12 +431,12 @@ pub(super) fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
         Err(error)
     })?;
     let at = at_rest(SVector::from_fn(|i, _| found.q[i]));
-    held(system, &at)?;
+    let all = held(system, &at)?;
     smooth(system, &at, found.last, linearized)?;
     let (space, matrices) = direct(system, &at)?;
     let small = known(system, &at, &space, &matrices)?;
     // Of constraints that follow from others they are those of least norm.
-    let multipliers = Held::all(system, &at)?.iter().map(|held| held.multiplier).collect::<Vec<_>>().into();
+    let multipliers = all.iter().map(|held| held.multiplier).collect::<Vec<_>>().into();
     Ok((at.q, multipliers, doubted(small, &space, &found.stiffness_aside)))
 }
 

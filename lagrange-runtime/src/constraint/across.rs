@@ -471,7 +471,7 @@ where
         let forced = || system.response(&at.q, &at.qd, at.t, &force, &constant(Scalar::zero())).0;
         let moving = || nearest_aside(system, at, &at.qd, clock(system, at));
         let Some(reference) = moving().or_else(|| nearest_aside(system, at, &forced(), 0.0)) else {
-            // Where nothing moves, gradients alone tell.
+            // Gradients alone tell of a system that does not move.
             return (least_sine(system, at, VANISHED) >= CLOSE).then(|| self.alone(at));
         };
         let independence = independence::<Sys, N, M>(system, &reference, at);

@@ -72,10 +72,7 @@ where
     let squares = squares(&products);
     let rank = usual_rank::<Sys, N, M>(Some(&products), squares).unwrap_or(M);
     let mut elimination = Elimination::new(&products, squares);
-    for _ in 0..rank {
-        let Some((row, _)) = elimination.pivot() else { break };
-        elimination.eliminate(row);
-    }
+    elimination.least_pivot(rank);
     elimination.chosen
 }
 
@@ -314,8 +311,8 @@ impl<const M: usize> Elimination<M> {
         None
     }
 
-    /// The least of the first `rank` pivots, or 0.
-    fn least_pivot(mut self, rank: usize) -> f64 {
+    /// Eliminates the first `rank` rows, up to one that depends on those before it: the least of their pivots, or 0.
+    fn least_pivot(&mut self, rank: usize) -> f64 {
         let mut least: f64 = 1.0;
         for _ in 0..rank {
             let Some((row, pivot)) = self.pivot() else { break };

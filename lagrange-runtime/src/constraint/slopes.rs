@@ -3,6 +3,7 @@
 use super::Constrained;
 use super::dependence::chosen;
 use crate::failure::Failure;
+use crate::linear::lu;
 use crate::scalar::{Real, Scalar};
 use crate::state::State;
 use nalgebra::{SMatrix, SVector};
@@ -94,22 +95,9 @@ fn are_opposite<const N: usize, const M: usize>(
     b: &SMatrix<f64, M, N>,
     chosen: &[bool; M],
 ) -> bool {
-    let mut rest = SMatrix::<f64, M, M>::from_fn(|i, j| match (i == j, chosen[i] && chosen[j]) {
+    let products = SMatrix::<f64, M, M>::from_fn(|i, j| match (i == j, chosen[i] && chosen[j]) {
         (_, true) => (0..N).map(|k| a[(i, k)] * b[(j, k)]).sum(),
         (same, false) => f64::from(u8::from(same)),
     });
-    let mut negative = false;
-    for column in 0..M {
-        let pivot = (column..M).max_by(|&i, &j| rest[(i, column)].abs().total_cmp(&rest[(j, column)].abs()));
-        let Some(pivot) = pivot else { break };
-        negative ^= (pivot != column) ^ (rest[(pivot, column)] < 0.0);
-        rest.swap_rows(pivot, column);
-        for i in column + 1..M {
-            let factor = rest[(i, column)] / rest[(column, column)];
-            for j in column..M {
-                rest[(i, j)] -= factor * rest[(column, j)];
-            }
-        }
-    }
-    negative
+    lu(&products).is_ok_and(|factors| factors.has_negative_determinant())
 }

@@ -1,7 +1,7 @@
 //! Dual numbers: a value and its derivative along one direction (Clifford 1873; Griewank and Walther, *Evaluating
 //! Derivatives*, 2008, ch. 3). `f(x + ε) = f(x) + f′(x) ε` with `ε² = 0`.
 
-use super::{Comparison, Functions, Real, RealCase, Scalar};
+use super::{Comparison, Functions, Real, Scalar, real_case_of_parts};
 use core::cmp::Ordering;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
@@ -105,31 +105,10 @@ impl<S: Scalar + PartialOrd> PartialOrd for Dual<S> {
     }
 }
 
-/// A case of numbers that are made of others.
-struct OfParts<C>(C);
-
-impl<S: Scalar, C: RealCase<Dual<S>>> RealCase<S> for OfParts<C> {
-    type Output = C::Output;
-
-    fn real(self) -> C::Output
-    where
-        S: Real,
-    {
-        self.0.real()
-    }
-
-    fn any(self) -> C::Output {
-        self.0.any()
-    }
-}
-
 impl<S: Scalar> Scalar for Dual<S> {
     type Pair = [Self; 2];
 
-    #[inline]
-    fn by_case<C: RealCase<Self>>(case: C) -> C::Output {
-        S::by_case(OfParts(case))
-    }
+    real_case_of_parts! { Dual<S> }
 
     #[inline]
     fn from_f64(x: f64) -> Self {

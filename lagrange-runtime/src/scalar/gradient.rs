@@ -1,7 +1,7 @@
 //! A value and its derivatives along several directions (Griewank and Walther, *Evaluating Derivatives*, 2008, ch.
 //! 3): what [`Dual`](super::Dual) is for one, at the price of one value for all of them.
 
-use super::{Comparison, Functions, Real, RealCase, Scalar};
+use super::{Comparison, Functions, Real, Scalar, real_case_of_parts};
 use crate::lanes::Work;
 use core::cmp::Ordering;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
@@ -141,33 +141,12 @@ impl<S: Scalar + PartialOrd, const D: usize> PartialOrd for Gradient<S, D> {
     }
 }
 
-/// A case of numbers that are made of D more than one other.
-struct OfParts<C, const D: usize>(C);
-
-impl<S: Scalar, C: RealCase<Gradient<S, D>>, const D: usize> RealCase<S> for OfParts<C, D> {
-    type Output = C::Output;
-
-    fn real(self) -> C::Output
-    where
-        S: Real,
-    {
-        self.0.real()
-    }
-
-    fn any(self) -> C::Output {
-        self.0.any()
-    }
-}
-
 impl<S: Scalar, const D: usize> Scalar for Gradient<S, D> {
     type Pair = [Self; 2];
     const WIDE: bool = true;
     const FUSED: bool = S::FUSED;
 
-    #[inline]
-    fn by_case<C: RealCase<Self>>(case: C) -> C::Output {
-        S::by_case(OfParts(case))
-    }
+    real_case_of_parts! { Gradient<S, D> }
 
     #[inline]
     fn from_f64(x: f64) -> Self {

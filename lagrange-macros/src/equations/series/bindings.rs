@@ -19,8 +19,8 @@
 //! more: four for each link of a chain. Unknowns are counted one order later than they belong, so that all that is
 //! convolved has the order k.
 //!
-//! Of frames in space with attitudes, which are written in quaternions and angular velocities (`attitudes.rs`), the
-//! definition of an ω is one of these, too. Accelerations of points and of axes are no derivatives of rates; theirs is
+//! The definition of an ω is one of these, too, in frames in space with attitudes, which are written in quaternions and
+//! angular velocities (`attitudes.rs`). Accelerations of points and of axes are no derivatives of rates; theirs is
 //!
 //! ```text
 //!   ü_{k−1} − S_0 ẍ_{k−1} = γ_{k−1} + Σ_{j≥1} S_j ẍ_{k−1−j}.

@@ -57,7 +57,7 @@ impl Recurrence {
         program_from(g, &next, |v| v.node.is_some_and(|id| moved.get(&id).is_none()))
     }
 
-    /// All that order 0 computes, which velocities and coordinates are no part of.
+    /// The values that order 0 computes, without velocities and coordinates.
     pub fn first(&self) -> Vec<Value> {
         self.pairs().map(|pair| pair[0]).collect()
     }

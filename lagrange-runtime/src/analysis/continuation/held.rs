@@ -6,13 +6,12 @@
 use super::curve::{Curve, Equations, negative};
 use super::{Branch, Family, Heading, Path, begun, sizes};
 use crate::analysis::balance::smallest_solution;
-use crate::analysis::constrained::{FAR, SINGULAR, nearly_dependent, with_rounding};
+use crate::analysis::constrained::{SINGULAR, far, nearly_dependent, with_rounding};
 use crate::analysis::hypotheses::coordinate_names;
 use crate::analysis::stability::least_is_negative;
 use crate::analysis::switch::linearized;
 use crate::analysis::tangent::{ACTS, Held, TangentSpace, classes, dynamic, stiffness_of_forces, units};
 use crate::analysis::{AnalysisError, SmallMotion, Stability};
-use crate::diagnosis::away;
 use crate::facts::{ConstraintKind, Facts};
 use crate::scalar::Dual;
 use crate::state::{ConstraintTerms, State};
@@ -215,9 +214,9 @@ impl<F: Fn(Dual<f64>) -> Sys, Sys: Linearize<N, Scalar = Dual<f64>>, const N: us
 
     fn nearly_dependent(&self, z: &DVector<f64>) -> Option<AnalysisError> {
         let (system, at) = self.family.at_rest(&self.plain(z));
-        let [here, far] = [at, away(&at, FAR, 1.0)].map(|at| Held::all(&system, &at).ok());
+        let (here, far) = (Held::all(&system, &at).ok()?, far(&system, &at).ok()?);
         let units = units(&dynamic(&system.inertia(&at.q, &at.qd, at.t).map(|x| x.value)));
-        nearly_dependent(&here?, &far?, &units, SINGULAR)
+        nearly_dependent(&here, &far, &units, SINGULAR)
     }
 
     fn oriented_alike(&self, one: &DVector<f64>, other: &DVector<f64>) -> bool {
