@@ -6,6 +6,7 @@ mod exact;
 mod systems;
 
 use lagrange_runtime::analysis::*;
+use nalgebra::{DMatrix, DVector};
 use systems::{FAMILIES, Random, System};
 
 /// How far the eigenvalues of one system are off.
@@ -107,4 +108,17 @@ fn eigenvalues_of_random_systems() {
 #[ignore = "minutes"]
 fn eigenvalues_of_many_random_systems() {
     random_systems(std::env::var("LAGRANGE_SYSTEMS").map_or(200, |count| count.parse().expect("a number")));
+}
+
+/// A pair without damping, and two real eigenvalues: −1 and −4.
+#[test]
+fn spectra_print_as_tables() {
+    let diagonal = |a: f64, b: f64| DMatrix::from_diagonal(&DVector::from_vec(vec![a, b]));
+    let small = SmallMotion::new(diagonal(1.0, 1.0), diagonal(0.0, 5.0), diagonal(9.0, 4.0)).unwrap();
+    let text = small.spectrum().unwrap().to_string();
+    let lines: Vec<&str> = text.lines().collect();
+    assert_eq!(lines.len(), 3, "{text}");
+    let has = |parts: &[&str]| lines.iter().any(|line| parts.iter().all(|part| line.contains(part)));
+    assert!(has(&["± 3.000000e0 i", "ζ = +0.000000"]), "{text}");
+    assert!(has(&["λ = -1.000000e0", "error ≤"]) && has(&["λ = -4.000000e0"]), "{text}");
 }

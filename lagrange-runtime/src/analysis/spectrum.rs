@@ -77,7 +77,8 @@ impl fmt::Display for Spectrum {
             if value.im == 0.0 {
                 writeln!(f, "λ = {:+.6e}{:18}error ≤ {bound:.1e}", value.re, "")?;
             } else if value.im > 0.0 {
-                let (re, im, ratio) = (value.re, value.im, self.damping_ratio(k));
+                // (Without −0.)
+                let (re, im, ratio) = (value.re, value.im, self.damping_ratio(k) + 0.0);
                 writeln!(f, "λ = {re:+.6e} ± {im:.6e} i  error ≤ {bound:.1e}  ζ = {ratio:+.6}")?;
             }
         }
