@@ -152,6 +152,7 @@ pub fn draw(count: u32) -> Result<(), Box<dyn Error>> {
     let mut checks = Checks::default();
     let charts = [double_pendulum(&mut checks)?, quarter_car(&mut checks)?];
     let maps = maps::maps(count, &mut checks)?;
+    let chain = maps::chain(count, &mut checks)?;
     let folder = support::charts()?;
     Panels::new("Which model and method is cheapest?", charts.map(Chart::with_frontier))
         .subtitle(
@@ -162,8 +163,10 @@ pub fn draw(count: u32) -> Result<(), Box<dyn Error>> {
     Panels::new("Which model is enough?", maps.iter().map(Breakdown::chart))
         .subtitle("The smallest model whose outputs keep the error allowed over the whole scene.")
         .write(&folder, "breakdown-maps")?;
-    println!("{}", folder.join("smaller-models.png").display());
-    println!("{}", folder.join("breakdown-maps.png").display());
+    chain.write(&folder, "modes-of-a-chain")?;
+    for name in ["smaller-models", "breakdown-maps", "modes-of-a-chain"] {
+        println!("{}", folder.join(name).with_extension("png").display());
+    }
     Ok(checks.report()?)
 }
 

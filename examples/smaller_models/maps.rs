@@ -3,10 +3,11 @@
 use super::checks::Checks;
 use super::motion::{Motion, Scene};
 use super::systems::{
-    Arm, Bending, Crank, Driven, Duffing, Elastic, Foucault, Gyroscopic, Kapitza, Linear, LongRod, Mean,
-    Moving, Oscillator, Planar, Quartic, Resting, Rigid, RigidRod, Rod, Slow, SmallFoucault, SmallResting,
-    SmallRod, Spatial, Still, Top,
+    Arm, Bending, Crank, Driven, Duffing, Elastic, Foucault, Gyroscopic, HangingChain, Kapitza, Linear,
+    LongRod, Mean, Moving, Oscillator, Planar, Quartic, Resting, Rigid, RigidRod, Rod, Slow, SmallFoucault,
+    SmallResting, SmallRod, Spatial, Still, Top,
 };
+use lagrange_runtime::analysis::ModalModel;
 use lagrange_runtime::chart::{Axis, Breakdown};
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::testing::reference::SimplePendulum;
@@ -325,5 +326,50 @@ fn arm(count: u32, checks: &mut Checks) -> Drawn {
     let map = filled(map, [Range(3e3, 3e5), Range(0.02, 1.0)], count, errors)?;
     let stiffest = map.places.iter().map(|((x, _), _)| *x).fold(0.0, f64::max);
     checks.holds("arm: stiff drives move two axes alone", map.limit(0, stiffest).is_some());
+    Ok(map)
+}
+
+/// How many modes of a chain are enough, for so many places along each axis.
+pub fn chain(count: u32, checks: &mut Checks) -> Drawn {
+    const LINKS: usize = 32;
+    let axes = [Axis::log("part of the chain that is bent", ""), Axis::log("angle of the bend", "rad")];
+    let models = ["2 modes", "4 modes", "6 modes", "32 links"];
+    let map = Breakdown::new("Modes of a hanging chain", axes, models, 0.1)
+        .subtitle("free end to 10 % of its displacement, 5 s");
+    let (system, hanging) = (HangingChain::default(), [0.0; LINKS]);
+    let two = ModalModel::<_, LINKS, 2>::about(&system, &hanging)?;
+    let four = ModalModel::<_, LINKS, 4>::about(&system, &hanging)?;
+    let six = ModalModel::<_, LINKS, 6>::about(&system, &hanging)?;
+    let errors = |part: f64, angle: f64| {
+        let straight = LINKS as f64 * (1.0 - part);
+        let bent = std::array::from_fn(|i| angle * (i as f64 + 1.0 - straight).clamp(0.0, 1.0));
+        let start = State::new(0.0, bent, [0.0; LINKS]);
+        let scene = Scene { whole: &system, start, end: 5.0, output: |system, s| system.tip_at(s) };
+        let (whole, displaced) = (scene.reference()?, part * angle);
+        Ok([
+            scene.error_of_modes(&two, &whole)? / displaced,
+            scene.error_of_modes(&four, &whole)? / displaced,
+            scene.error_of_modes(&six, &whole)? / displaced,
+        ])
+    };
+    let map = filled(map, [Range(1.0 / LINKS as f64, 1.0), Range(0.01, 1.5)], count, errors)?;
+
+    // s = ω² l / g are the roots of Laguerre's polynomial of degree 32.
+    let off = six.frequencies().map(|omega| {
+        let s = omega * omega * system.l / system.g;
+        let (mut before, mut value) = (1.0, 1.0 - s);
+        for k in 1..LINKS {
+            let k = k as f64;
+            (before, value) = (value, ((2.0 * k + 1.0 - s) * value - k * before) / (k + 1.0));
+        }
+        // s L′ₙ = n (Lₙ − Lₙ₋₁)
+        (value / (LINKS as f64 * (value - before))).abs()
+    });
+    checks.at_most("chain: squares of six frequencies, relative", off.into_iter().fold(0.0, f64::max), 1e-11);
+    let sharpest = 1.0 / LINKS as f64;
+    checks.holds(
+        "chain: sharp bends need more modes",
+        map.limit(0, 1.0) > map.limit(0, sharpest) && map.limit(2, sharpest) > map.limit(1, sharpest),
+    );
     Ok(map)
 }

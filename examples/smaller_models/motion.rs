@@ -1,5 +1,6 @@
 //! Motions of models, as what is seen of them and what they cost.
 
+use lagrange_runtime::analysis::ModalModel;
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::{Controller, Facts};
 
@@ -80,6 +81,18 @@ impl<Whole: Lagrangian<N, Scalar = f64>, const N: usize> Scene<'_, Whole, N> {
     {
         let motion = self.model::<Small, L, HELD, _, _>(Dop853, PiController::tolerance(1e-8));
         motion.map_or(f64::INFINITY, |motion| motion.error(reference))
+    }
+
+    /// The error of a few modes of the system over the scene, in one exact step.
+    pub fn error_of_modes<const R: usize>(
+        &self,
+        model: &ModalModel<Whole, N, R>,
+        reference: &Motion,
+    ) -> Result<f64, Failure<f64>> {
+        let (kept, _) = model.restrict(&self.start);
+        let output = |s: &State<f64, R>| (self.output)(self.whole, &model.lift(s));
+        let motion = motion(model, kept, self.end, MatrixExponential, FixedStep::new(self.end), output)?;
+        Ok(motion.error(reference))
     }
 }
 

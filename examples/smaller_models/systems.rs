@@ -171,3 +171,17 @@ lagrangian! {
         pub simplified Moving: lock q[0] = 0, lock q[2] = 0, lock q[4] = 0, lock q[5] = 0, lock q[6] = 0;
     }
 }
+
+lagrangian! {
+    /// A chain of 32 links, one metre long, that hangs with a bead at the end of each.
+    pub system HangingChain {
+        const N = 32;
+        param l = 0.03125, g = 9.81;
+        coord theta: [angle; N];
+        let x: [N] = |i| (if i == 0 { 0 } else { x[i - 1] }) + l * theta[i].sin();
+        let z: [N] = |i| (if i == 0 { 0 } else { z[i - 1] }) - l * theta[i].cos();
+        T = (0..N).map(|i| 0.5 * (dot(x[i]).powi(2) + dot(z[i]).powi(2))).sum();
+        V = (0..N).map(|i| g * z[i]).sum();
+        observe tip = [x[N - 1], 0, z[N - 1]];
+    }
+}

@@ -10,6 +10,7 @@
 //! |---|---|
 //! | Where can it rest? | [`equilibria`], [`equilibrium`] |
 //! | How does it vibrate there? | [`small_vibrations`], [`SmallMotion::modes`], [`SmallMotion::spectrum`], [`SmallMotion::frequency_response`] |
+//! | Which of its modes does a scene need? | [`ModalModel`]: the system kept to some modes, propagated exactly |
 //! | How does it move steadily, with which rates? | [`Reduced`]: effective potential, turning points, steady rates, thresholds |
 //! | Does it stay there? | [`Equilibrium::stability`], [`SmallMotion::energy_criterion`], [`SmallMotion::first_approximation`], [`Spectrum::is_stable`], [`stability_threshold`] |
 //! | What becomes of it when a parameter changes? | [`follow`]: folds, pitchforks, transcritical and multiple branch points, flutter |
@@ -33,6 +34,7 @@ mod error;
 mod exponential;
 mod hypotheses;
 mod lyapunov;
+mod modal;
 mod model;
 mod modes;
 mod motion;
@@ -54,6 +56,7 @@ pub use continuation::{Bifurcation, BifurcationKind, Branch, BranchPoint, Headin
 pub use equilibrium::{Equilibrium, equilibria, equilibrium, small_vibrations};
 pub use error::AnalysisError;
 pub use lyapunov::{Exponent, Measurement, lyapunov_by_two_trajectories, lyapunov_spectrum};
+pub use modal::{ModalModel, Remainder};
 pub use model::LinearModel;
 pub use modes::{ModeKind, Modes};
 pub use motion::SmallMotion;

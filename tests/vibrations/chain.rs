@@ -29,7 +29,7 @@ lagrangian! {
 }
 
 /// Matrices of 200 × 200 on the stack want more of it than a test has.
-fn with_stack(f: impl FnOnce() + Send + 'static) {
+pub fn with_stack(f: impl FnOnce() + Send + 'static) {
     std::thread::Builder::new().stack_size(1 << 28).spawn(f).unwrap().join().unwrap();
 }
 

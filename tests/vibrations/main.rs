@@ -3,6 +3,7 @@
 mod branches;
 mod chain;
 mod hypotheses;
+mod modal;
 mod modes;
 mod neighbours;
 #[path = "../tables/table.rs"]

@@ -75,6 +75,14 @@ pub fn small_vibrations<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     q: &[f64; N],
 ) -> Result<SmallMotion, AnalysisError> {
+    resting(system, q).map(|found| found.small)
+}
+
+/// The equilibrium `q`, refined; refused unless it is one.
+pub(super) fn resting<Sys: Linearize<N, Scalar = f64>, const N: usize>(
+    system: &Sys,
+    q: &[f64; N],
+) -> Result<Equilibrium<N>, AnalysisError> {
     let here = SVector::from(*q);
     second_order::<Sys, N>()?;
     autonomous::<Sys, N>()?;
@@ -95,7 +103,7 @@ pub fn small_vibrations<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     };
     let moved = (0..N).map(|i| (found.q[i] - q[i]).abs() / (1.0 + q[i].abs())).fold(0.0, f64::max);
     match moved <= CONVERGED {
-        true => Ok(found.small),
+        true => Ok(found),
         false => Err(refused(Some(found.q.iter().copied().collect()))),
     }
 }

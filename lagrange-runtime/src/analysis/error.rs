@@ -47,6 +47,11 @@ pub enum AnalysisError {
         /// Smallest eigenvalue of the damping matrix, scaled to a unit diagonal.
         eigenvalue: f64,
     },
+    /// Small motions leave the equilibrium, or gyroscopic forces alone hold them.
+    Unstable {
+        /// The least ω² of the modes, negative.
+        square: f64,
+    },
     /// The coordinates are not independent, and this function needs them to be, or the type does not implement
     /// [`System::constraint_terms`](crate::System::constraint_terms).
     DependentCoordinates {
@@ -147,7 +152,7 @@ impl AnalysisError {
     /// Its name: `"TimeDependent"`.
     pub fn name(&self) -> &'static str {
         variant! { self => AnalysisError:
-            NotEquilibrium, Inertia, TimeDependent, UnsymmetricInertia, Switch, SwitchedInput, NegativeDamping, DependentCoordinates, OffConstraints, DependentConstraints, ConstrainedInput, Circulatory, Gyroscopic, NotFinite, Dimension, NotConverged, Unbalanced, Running, AtRest, Unresolved, NoSteadyMotion, NotApplicable, Resonance, Run,
+            NotEquilibrium, Inertia, TimeDependent, UnsymmetricInertia, Switch, SwitchedInput, NegativeDamping, Unstable, DependentCoordinates, OffConstraints, DependentConstraints, ConstrainedInput, Circulatory, Gyroscopic, NotFinite, Dimension, NotConverged, Unbalanced, Running, AtRest, Unresolved, NoSteadyMotion, NotApplicable, Resonance, Run,
         }
     }
 }
@@ -198,6 +203,11 @@ impl fmt::Display for AnalysisError {
                 f,
                 "damping is negative along some motion (smallest eigenvalue {eigenvalue:e} of the damping matrix scaled to \
                  a unit diagonal), and the energy does not decide; use `first_approximation` or `spectrum`"
+            ),
+            Unstable { square } => write!(
+                f,
+                "motions leave this equilibrium, or gyroscopic forces alone hold them (the least ω² of its modes is {square:e}): no set of \
+                 vibrations stands for them; take a stable equilibrium, or integrate the whole system"
             ),
             TimeDependent => write!(
                 f,

@@ -2,9 +2,10 @@
 
 use super::{AnalysisError, DVector, SmallMotion};
 use crate::choice::{self, RecommendedMethods};
+use crate::linear::factored;
 use crate::system::{
-    Autonomous, ConstantInertia, Facts, Independent, Jacobian, Lagrangian, Linear, Linearization, Linearize,
-    System,
+    Autonomous, ConstantInertia, Facts, Independent, Jacobian, Lagrangian, LegendreTransform, Linear,
+    Linearization, Linearize, System,
 };
 use nalgebra::{DMatrix, SMatrix, SVector};
 
@@ -31,9 +32,15 @@ use nalgebra::{DMatrix, SMatrix, SVector};
 /// assert!((end.q[0] - 0.01 * ((9.81f64 / 0.5).sqrt() * 3.0).cos()).abs() < 1e-16);
 /// # Ok::<(), lagrange_runtime::analysis::AnalysisError>(())
 /// ```
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LinearModel<const N: usize> {
-    small: SmallMotion,
+    m: SMatrix<f64, N, N>,
+    c: SMatrix<f64, N, N>,
+    k: SMatrix<f64, N, N>,
+    /// Derivatives of the accelerations by q and q̇, `−M⁻¹ K` and `−M⁻¹ C`.
+    jacobian: [SMatrix<f64, N, N>; 2],
+    /// A constant force, as one of −fᵀ q in the potential, and its accelerations.
+    force: [V<N>; 2],
 }
 
 impl<const N: usize> LinearModel<N> {
@@ -42,28 +49,27 @@ impl<const N: usize> LinearModel<N> {
     /// # Errors
     /// [`AnalysisError::Dimension`] unless there are N coordinates.
     pub fn new(small: &SmallMotion) -> Result<Self, AnalysisError> {
-        match small.dimension() {
-            n if n == N => Ok(LinearModel { small: small.clone() }),
-            found => Err(AnalysisError::Dimension { expected: N, found }),
+        if small.dimension() != N {
+            return Err(AnalysisError::Dimension { expected: N, found: small.dimension() });
         }
+        let (zero, axis) = (DVector::zeros(N), |i| DVector::from_fn(N, |j, _| f64::from(i == j)));
+        let columns = |accelerations: &dyn Fn(usize) -> DVector<f64>| {
+            SMatrix::from_columns(&std::array::from_fn::<_, N, _>(|i| V::from_fn(|j, _| accelerations(i)[j])))
+        };
+        let by_q = columns(&|i| small.acceleration(&axis(i), &zero));
+        let by_qd = columns(&|i| small.acceleration(&zero, &axis(i)));
+        let [m, c, k] = [small.inertia(), small.velocity_terms(), small.stiffness()].map(square);
+        Ok(LinearModel { m, c, k, jacobian: [by_q, by_qd], force: [V::zeros(); 2] })
     }
 
-    fn product(&self, a: &DMatrix<f64>, x: &SVector<f64, N>) -> SVector<f64, N> {
-        fixed(&(a * dynamic(x)))
+    /// The same under a constant force.
+    pub(super) fn push(&mut self, force: V<N>) {
+        self.force = [force, factored(&self.m).solve(&force)];
     }
 
-    /// `xᵀ A y`
-    fn form(&self, x: &SVector<f64, N>, a: &DMatrix<f64>, y: &SVector<f64, N>) -> f64 {
-        x.dot(&self.product(a, y))
+    fn gyroscopic(&self) -> SMatrix<f64, N, N> {
+        (self.c - self.c.transpose()) * 0.5
     }
-}
-
-fn dynamic<const N: usize>(x: &SVector<f64, N>) -> DVector<f64> {
-    DVector::from_column_slice(x.as_slice())
-}
-
-fn fixed<const N: usize>(x: &DVector<f64>) -> SVector<f64, N> {
-    SVector::from_fn(|i, _| x[i])
 }
 
 fn square<const N: usize>(a: &DMatrix<f64>) -> SMatrix<f64, N, N> {
@@ -77,7 +83,8 @@ impl<const N: usize> System<N> for LinearModel<N> {
     const AUTONOMOUS: bool = true;
 
     fn accel(&self, q: &V<N>, qd: &V<N>, _: f64) -> V<N> {
-        fixed(&self.small.acceleration(&dynamic(q), &dynamic(qd)))
+        let [by_q, by_qd] = &self.jacobian;
+        by_q * q + by_qd * qd + self.force[1]
     }
 }
 
@@ -94,59 +101,54 @@ impl<const N: usize> Lagrangian<N> for LinearModel<N> {
     };
 
     fn lagrangian(&self, q: &V<N>, qd: &V<N>, _: f64) -> f64 {
-        let s = &self.small;
-        0.5 * (self.form(qd, s.inertia(), qd) + self.form(qd, &s.gyroscopic(), q)
-            - self.form(q, s.stiffness(), q))
+        let kinetic = 0.5 * (qd.dot(&(self.m * qd)) + qd.dot(&(self.gyroscopic() * q)));
+        kinetic - 0.5 * q.dot(&(self.k * q)) + self.force[0].dot(q)
     }
 
     fn momenta(&self, q: &V<N>, qd: &V<N>, _: f64) -> V<N> {
-        self.product(self.small.inertia(), qd) + self.product(&self.small.gyroscopic(), q) * 0.5
+        self.m * qd + self.gyroscopic() * q * 0.5
     }
 
     fn energy_function(&self, q: &V<N>, qd: &V<N>, _: f64) -> f64 {
-        0.5 * (self.form(qd, self.small.inertia(), qd) + self.form(q, self.small.stiffness(), q))
+        0.5 * (qd.dot(&(self.m * qd)) + q.dot(&(self.k * q))) - self.force[0].dot(q)
     }
 
     fn inertia(&self, _: &V<N>, _: &V<N>, _: f64) -> SMatrix<f64, N, N> {
-        square(self.small.inertia())
+        self.m
     }
 
     fn convective_momentum_rate(&self, _: &V<N>, qd: &V<N>, _: f64) -> V<N> {
-        self.product(&self.small.gyroscopic(), qd) * 0.5
+        self.gyroscopic() * qd * 0.5
     }
 
     fn momentum_rate(&self, q: &V<N>, qd: &V<N>, _: f64) -> V<N> {
-        let s = &self.small;
-        let rest = self.product(s.velocity_terms(), qd) + self.product(s.stiffness(), q);
-        self.product(&s.gyroscopic(), qd) * 0.5 - rest
+        self.force[0] + self.gyroscopic() * qd * 0.5 - self.c * qd - self.k * q
     }
 
     fn dissipation(&self, _: &V<N>, qd: &V<N>, _: f64) -> f64 {
-        0.5 * self.form(qd, self.small.velocity_terms(), qd)
+        0.5 * qd.dot(&(self.c * qd))
     }
 
     fn power(&self, q: &V<N>, qd: &V<N>, _: f64) -> f64 {
-        -self.form(qd, self.small.velocity_terms(), qd) - self.form(qd, &self.small.circulatory(), q)
+        let circulatory = (self.k - self.k.transpose()) * 0.5;
+        -qd.dot(&(self.c * qd)) - qd.dot(&(circulatory * q))
     }
 
     fn jacobian(&self, _: &V<N>, _: &V<N>, _: f64) -> Jacobian<f64, N> {
-        let zero = DVector::zeros(N);
-        let (mut q, mut qd) = (SMatrix::<f64, N, N>::zeros(), SMatrix::<f64, N, N>::zeros());
-        for i in 0..N {
-            let axis = DVector::from_fn(N, |j, _| f64::from(i == j));
-            q.set_column(i, &fixed::<N>(&self.small.acceleration(&axis, &zero)));
-            qd.set_column(i, &fixed::<N>(&self.small.acceleration(&zero, &axis)));
-        }
-        Jacobian { q, qd, t: SVector::zeros() }
+        let [q, qd] = self.jacobian;
+        Jacobian { q, qd, t: V::zeros() }
     }
 }
 
 impl<const N: usize> Linearize<N> for LinearModel<N> {
     fn linearize(&self, _: &V<N>, _: &V<N>, _: f64) -> Linearization<f64, N> {
-        Linearization {
-            stiffness: square(self.small.stiffness()),
-            damping: square(self.small.velocity_terms()),
-        }
+        Linearization { stiffness: self.k, damping: self.c }
+    }
+}
+
+impl<const N: usize> LegendreTransform<N> for LinearModel<N> {
+    fn velocities(&self, q: &V<N>, p: &V<N>, _: f64) -> V<N> {
+        factored(&self.m).solve(&(p - self.gyroscopic() * q * 0.5))
     }
 }
 
