@@ -131,6 +131,7 @@ mod iteration;
 pub mod lanes;
 mod language;
 mod linear;
+mod locked;
 pub mod method;
 #[cfg(feature = "std")]
 mod observe;
@@ -166,6 +167,7 @@ pub mod traits {
     };
     pub use crate::impulse::{Impulsive, Jump};
     pub use crate::input::{InputJacobian, Inputs};
+    pub use crate::locked::{Locked, Locks, NotLockable};
     pub use crate::prepared::{Precompute, Precomputed};
     pub use crate::restricted::{NotHeld, Restricted};
     pub use crate::routhian::Routhian;
