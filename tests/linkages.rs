@@ -5,6 +5,8 @@
 
 #[path = "linkages/branches.rs"]
 mod branches;
+#[path = "linkages/forces.rs"]
+mod forces;
 #[path = "linkages/loads.rs"]
 mod loads;
 #[path = "linkages/positions.rs"]

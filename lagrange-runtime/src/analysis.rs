@@ -21,7 +21,7 @@
 //! | Is it chaotic? | [`lyapunov_spectrum`], [`lyapunov_by_two_trajectories`]; sections by [`Run::events`](crate::Run::events) |
 //!
 //! Where coordinates are not independent, everything is in minimal coordinates of what the constraints admit
-//! ([`SmallMotion::basis`]), but for [`follow`], which refuses.
+//! ([`SmallMotion::basis`]), but for [`follow`], which has their multipliers beside the coordinates.
 //!
 //! Eigenvalues, Schur forms and singular values are nalgebra's, on dynamic matrices.
 

@@ -96,7 +96,8 @@ pub trait Constrained<const N: usize, const M: usize>: Lagrangian<N> {
     }
 
     /// [`multipliers`](Self::multipliers) at a state. Near one at which the constraints are dependent they are those on
-    /// the branch that it is on, to some seven digits, and not a number where they grow without bound.
+    /// the branch that it is on, to some eight digits, and not a number where they grow without bound, or where the
+    /// force changes within less than the polynomials see.
     #[inline]
     fn multipliers_at(&self, at: &State<Self::Scalar, N>) -> SVector<Self::Scalar, M>
     where

@@ -505,8 +505,8 @@ pub struct Sensitivity<const N: usize, const D: usize> {
 }
 
 /// The end of a motion and its derivatives by parameters, by gradients through every step: `family` makes the system
-/// with the parameters' values. `s = ∂x/∂p` is the solution of `ṡ = (∂f/∂x) s + ∂f/∂p`, `s(0) = 0` (Hairer, Nørsett
-/// and Wanner, I.14).
+/// with the parameters' values. `s = ∂x/∂p` is the solution of `ṡ = (∂f/∂x) s + ∂f/∂p` from `s(0) = 0`, where no
+/// parameter moves a constraint (Hairer, Nørsett and Wanner, I.14).
 ///
 /// ```
 /// use lagrange_runtime::analysis::{Sensitivity, sensitivity};

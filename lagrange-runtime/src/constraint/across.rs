@@ -43,10 +43,11 @@ const ROUNDED: f64 = 1e-11;
 /// Accelerations on the motion that goes through states at which constraints are dependent, of a state near it: those
 /// of the nearest admissible state, or, where gradients are nearly dependent, the polynomial of degree 11 through
 /// those of states `(q + s b, q̇)` on both sides, at s = 0, where b is the part of q̇ that coordinates of constraints
-/// have that are nearly dependent. Nodes are at least |h|/32 apart, where h is the size of a step (where there is
-/// none yet, in units of the fastest coordinate), and far enough for the nearest ones to be resolved. Not a number
-/// where there is no admissible state, or the polynomial of degree 9 through the nearest nodes has other values.
-/// Emitted as [`System::accel_across`](crate::System::accel_across).
+/// have that are nearly dependent. All of these are under the force of the state itself, which may depend on its place
+/// in whatever way: by jumps, or by a spring that is met between two nodes. Nodes are at least |h|/32 apart, where h is
+/// the size of a step (where there is none yet, in units of the fastest coordinate), and far enough for the nearest
+/// ones to be resolved. Not a number where there is no admissible state, or the polynomial of degree 9 through the
+/// nearest nodes has other values. Emitted as [`System::accel_across`](crate::System::accel_across).
 #[cold]
 #[inline(never)]
 pub fn accel_across<Sys: Constrained<N, M>, const N: usize, const M: usize>(
@@ -59,16 +60,36 @@ pub fn accel_across<Sys: Constrained<N, M>, const N: usize, const M: usize>(
 where
     Sys::Scalar: Real,
 {
-    let accel = |at: &State<Sys::Scalar, N>| system.accel(&at.q, &at.qd, at.t);
     // (Not of the projected state, which may be anywhere where constraints are dependent.)
     let found = if independence::<Sys, N, M>(system, reference, at) >= CLOSE {
-        projected(system, at, &at.qd, 0.0, 0.0).map(|at| accel(&at))
+        projected(system, at, &at.qd, 0.0, 0.0).map(|at| system.accel(&at.q, &at.qd, at.t))
     } else {
+        let force = system.momentum_rate(&at.q, &at.qd, at.t);
+        let accel = |node: &State<_, N>| accelerated(system, node, &force);
         Nodes::about(system, reference, at, h, |nodes| {
             nodes.middle(accel, if roughly { f64::INFINITY } else { SMOOTH }, ROUNDED * nodes.pace)
         })
     };
     found.unwrap_or_else(|| constant(Sys::Scalar::from_f64(f64::NAN)))
+}
+
+/// Accelerations of a node under another force than its own.
+fn accelerated<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    node: &State<Sys::Scalar, N>,
+    force: &SVector<Sys::Scalar, N>,
+) -> SVector<Sys::Scalar, N> {
+    let State { t, q, qd } = node;
+    system.accel(q, qd, *t) + response(system, node, &(*force - system.momentum_rate(q, qd, *t))).0
+}
+
+/// What a force adds to the accelerations and multipliers of a node, which are linear in it.
+fn response<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    node: &State<Sys::Scalar, N>,
+    force: &SVector<Sys::Scalar, N>,
+) -> (SVector<Sys::Scalar, N>, SVector<Sys::Scalar, M>) {
+    system.response(&node.q, &node.qd, node.t, force, &constant(Scalar::zero()))
 }
 
 /// 1 if constraints move in time at a state, so that states beside it are those of other times; else 0.
@@ -194,6 +215,11 @@ impl<S: Real, const N: usize> Nodes<S, N> {
             }
         }
         (largest(&(sums[0] - sums[1])) <= (smooth * size).max(rounding)).then_some(sums[0])
+    }
+
+    /// Whether all of them are so.
+    fn all(&self, mut is: impl FnMut(&State<S, N>) -> bool) -> bool {
+        self.pairs.iter().flatten().all(|node| is(node))
     }
 
     /// [`middle`](Self::middle) of a function that stays bounded: values on both sides of a pole of odd order cancel
@@ -479,16 +505,30 @@ where
             return Some(self.alone(at));
         }
         let gradients = largest(&system.constraint_jacobian(&at.q, at.t));
+        let own = system.momentum_rate(&at.q, &at.qd, at.t);
         let found = |h: f64, smooth: f64| {
             Nodes::about(system, &reference, at, Sys::Scalar::from_f64(h), |nodes| {
-                let accel = |at: &State<_, N>| system.accel(&at.q, &at.qd, at.t);
+                let accel = |node: &State<_, N>| accelerated(system, node, &own);
                 let accelerations = nodes.middle(accel, smooth, smooth * nodes.pace)?;
                 let inertial = product(&system.inertia(&at.q, &at.qd, at.t), &accelerations);
                 let rounding = smooth * (largest(&force) + largest(&inertial)) / gradients;
-                let multipliers = |at: &State<_, N>| system.multipliers(&at.q, &at.qd, at.t);
+                if !L {
+                    return Some((self.of)(at, &accelerations, &constant(Scalar::zero())));
+                }
+                // (Under the force of the state alone multipliers are without bound in the line.)
+                let multipliers = |node: &State<_, N>| system.multipliers(&node.q, &node.qd, node.t);
+                let force = |node: &State<_, N>| system.momentum_rate(&node.q, &node.qd, node.t);
+                let unseen = own - nodes.middle(force, f64::INFINITY, 0.0)?;
+                let is_seen = nodes.all(|node| {
+                    let error = largest(&response(system, node, &unseen).1);
+                    error <= (SMOOTH * largest(&multipliers(node))).max(rounding)
+                });
+                if !is_seen {
+                    return None;
+                }
                 match nodes.bounded(multipliers, smooth, rounding) {
                     Some(multipliers) => Some((self.of)(at, &accelerations, &multipliers)),
-                    None => nodes.bounded(|at| self.alone(at), smooth, 0.0),
+                    None => nodes.bounded(|node| self.alone(node), smooth, 0.0),
                 }
             })
         };
