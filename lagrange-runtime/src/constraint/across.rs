@@ -83,7 +83,7 @@ fn accelerated<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system.accel(q, qd, *t) + response(system, node, &(*force - system.momentum_rate(q, qd, *t))).0
 }
 
-/// What a force adds to the accelerations and multipliers of a node, which are linear in it.
+/// Accelerations and multipliers that a force adds to those of a node: both are linear in it.
 fn response<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system: &Sys,
     node: &State<Sys::Scalar, N>,
