@@ -217,7 +217,7 @@ impl<S: Real, const N: usize> Nodes<S, N> {
         (largest(&(sums[0] - sums[1])) <= (smooth * size).max(rounding)).then_some(sums[0])
     }
 
-    /// Whether all of them are so.
+    /// Returns whether all of them fulfil a condition.
     fn all(&self, mut is: impl FnMut(&State<S, N>) -> bool) -> bool {
         self.pairs.iter().flatten().all(|node| is(node))
     }
