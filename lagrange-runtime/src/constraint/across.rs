@@ -218,8 +218,8 @@ impl<S: Real, const N: usize> Nodes<S, N> {
     }
 
     /// Returns whether all of them fulfil a condition.
-    fn all(&self, mut is: impl FnMut(&State<S, N>) -> bool) -> bool {
-        self.pairs.iter().flatten().all(|node| is(node))
+    fn all(&self, is: impl FnMut(&State<S, N>) -> bool) -> bool {
+        self.pairs.iter().flatten().all(is)
     }
 
     /// [`middle`](Self::middle) of a function that stays bounded: values on both sides of a pole of odd order cancel
