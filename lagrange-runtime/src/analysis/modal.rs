@@ -307,7 +307,8 @@ impl<Sys, const WHOLE: usize, const R: usize, const K: usize> ModalModel<Sys, WH
     }
 
     /// The lowest angular frequency that is left out: inputs and loads have to be slower. `None` if all modes are
-    /// kept.
+    /// kept. One that a mode which is kept has, too, says that the pair was split: such modes belong together, since
+    /// any combination of them is a mode, and the smallest change of the system turns one into another.
     pub fn left_out(&self) -> Option<f64> {
         let mut others = (0..self.all.squares.len()).filter(|k| !self.kept.contains(k));
         others.next().map(|k| self.all.squares[k].sqrt())
@@ -334,7 +335,7 @@ where
         let lifted = self.lift(&kept);
         let (q, qd) = (near.q - lifted.q, near.qd - lifted.qd);
         let others = (0..self.all.squares.len()).filter(|k| !self.kept.contains(k));
-        let energy = others.map(|k| self.all.energy(k, &q, &qd)).sum::<f64>();
+        let energy = others.map(|k| self.all.energy(k, &q, &qd)).fold(0.0, |sum, one| sum + one);
         let own = self.kept.iter().map(|&k| self.all.energy(k, &moved, &near.qd)).sum::<f64>();
         (kept, Remainder { q, qd, energy, whole: own + energy })
     }
