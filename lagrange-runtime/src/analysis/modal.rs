@@ -32,7 +32,8 @@ use nalgebra::{DMatrix, SMatrix, SVector};
 ///
 /// With inputs u ([`with_inputs`](Self::with_inputs)), B = M ∂q̈/∂u, and the modes that are left out follow them as in
 /// statics: `S = Σ φₖ φₖᵀ B / ωₖ²` over these modes (static correction, or mode-acceleration method; Craig and Kurdila
-/// 2006, ch. 11). So a deflection under a load at rest is exact for every R.
+/// 2006, ch. 11). So a deflection at rest under a constant load is exact for every R. Velocities that are lifted are
+/// Φ η̇, without the rate at which S follows a load that changes.
 ///
 /// ```
 /// use lagrange_runtime::analysis::ModalModel;
