@@ -329,7 +329,7 @@ fn arm(count: u32, checks: &mut Checks) -> Drawn {
     Ok(map)
 }
 
-/// How many modes of a chain are enough, for so many places along each axis.
+/// The map of a hanging chain: the number of modes that is enough, at so many places along each axis.
 pub fn chain(count: u32, checks: &mut Checks) -> Drawn {
     const LINKS: usize = 32;
     let axes = [Axis::log("part of the chain that is bent", ""), Axis::log("angle of the bend", "rad")];

@@ -193,10 +193,9 @@ where
         if self.weights.iter().all(|w| *w == one) {
             return self.system.accel_at(&state);
         }
-        let shared = self.terms(&self.seen(&state));
         let mut weight: [Self::Scalar; N] = [one; N];
         (0..K).for_each(|k| weight[self.indices[k]] = self.weights[k]);
-        let (mut a, mut b) = shared;
+        let (mut a, mut b) = self.terms(&self.seen(&state));
         for mut row in a.row_iter_mut() {
             (0..N).for_each(|j| row[j] *= weight[j]);
         }

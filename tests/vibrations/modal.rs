@@ -133,7 +133,7 @@ fn inputs_act_on_all_modes() {
     let stretched = [end.q[1] - end.q[0], end.q[2] - end.q[1]];
     assert!((stretched[0] - 0.125).abs() < 1e-9 && (stretched[1] - 0.25).abs() < 1e-9, "{stretched:?}");
     assert!((end.q.mean() - 0.25 * 80.0 * 80.0).abs() < 1e-9, "{}", end.q.mean());
-    // What was lifted leaves nothing.
+    // A state that was lifted leaves nothing.
     let (_, left) = model.restrict(&end);
     assert!(left.q.amax() < 1e-11 && left.energy < 1e-20, "{:?}", left);
     assert_eq!((model.inputs()[0], model.whole().pull), (1.5, 1.5));

@@ -102,6 +102,11 @@ impl Shapes {
         let part = |x: &SVector<f64, N>| self.weights.row(k).iter().zip(x).map(|(w, x)| w * x).sum::<f64>();
         0.5 * (part(qd).powi(2) + self.squares[k] * part(q).powi(2))
     }
+
+    /// Indices of the modes that are not among these.
+    fn others<'a>(&'a self, kept: &'a [usize]) -> impl Iterator<Item = usize> + 'a {
+        (0..self.squares.len()).filter(|k| !kept.contains(k))
+    }
 }
 
 /// The part of a state that a [`ModalModel`] does not have: the state less what [`ModalModel::lift`] makes of its
@@ -248,7 +253,7 @@ where
         let forces = &self.all.weights * &by;
         let sizes = self.all.weights.abs() * by.abs();
         let mut statics = SMatrix::<f64, WHOLE, K>::zeros();
-        for k in (0..self.all.squares.len()).filter(|k| !self.kept.contains(k)) {
+        for k in self.all.others(&self.kept) {
             let square = self.all.squares[k];
             for j in 0..K {
                 match forces[(k, j)] {
@@ -311,8 +316,7 @@ impl<Sys, const WHOLE: usize, const R: usize, const K: usize> ModalModel<Sys, WH
     /// kept. One that a mode which is kept has, too, says that the pair was split: such modes belong together, since
     /// any combination of them is a mode, and the smallest change of the system turns one into another.
     pub fn left_out(&self) -> Option<f64> {
-        let mut others = (0..self.all.squares.len()).filter(|k| !self.kept.contains(k));
-        others.next().map(|k| self.all.squares[k].sqrt())
+        self.all.others(&self.kept).next().map(|k| self.all.squares[k].sqrt())
     }
 
     /// The state of the whole system, `q = q₀ + Φ η + S (u − u₀)` and `q̇ = Φ η̇`.
@@ -335,7 +339,7 @@ where
         let kept = State { t: state.t, q: self.weights * moved, qd: self.weights * near.qd };
         let lifted = self.lift(&kept);
         let (q, qd) = (near.q - lifted.q, near.qd - lifted.qd);
-        let others = (0..self.all.squares.len()).filter(|k| !self.kept.contains(k));
+        let others = self.all.others(&self.kept);
         let energy = others.map(|k| self.all.energy(k, &q, &qd)).fold(0.0, |sum, one| sum + one);
         let own = self.kept.iter().map(|&k| self.all.energy(k, &moved, &near.qd)).sum::<f64>();
         (kept, Remainder { q, qd, energy, whole: own + energy })

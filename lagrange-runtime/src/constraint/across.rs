@@ -83,13 +83,13 @@ fn accelerated<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system.accel(q, qd, *t) + response(system, node, &(*force - system.momentum_rate(q, qd, *t))).0
 }
 
-/// Accelerations and multipliers that a force adds to those of a node: both are linear in it.
+/// Accelerations and multipliers that a force adds to those of a state: both are linear in it.
 fn response<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system: &Sys,
-    node: &State<Sys::Scalar, N>,
+    at: &State<Sys::Scalar, N>,
     force: &SVector<Sys::Scalar, N>,
 ) -> (SVector<Sys::Scalar, N>, SVector<Sys::Scalar, M>) {
-    system.response(&node.q, &node.qd, node.t, force, &constant(Scalar::zero()))
+    system.response(&at.q, &at.qd, at.t, force, &constant(Scalar::zero()))
 }
 
 /// 1 if constraints move in time at a state, so that states beside it are those of other times; else 0.
@@ -144,8 +144,7 @@ impl<S: Real, const N: usize> Nodes<S, N> {
         };
         let turning = || {
             let force = system.momentum_rate(&at.q, &constant(S::zero()), at.t);
-            let (way, _) = system.response(&at.q, &at.qd, at.t, &force, &constant(S::zero()));
-            along(&way, 0.0, 0.0)
+            along(&response(system, at, &force).0, 0.0, 0.0)
         };
         let near = || along(&at.qd, clock, 0.0);
         along(&at.qd, clock, h.to_f64().abs() / 32.0).or_else(near).or_else(turning)
@@ -492,9 +491,8 @@ where
         Sys::Scalar: Real,
     {
         let (system, at) = (self.system, self.at);
-        let still = constant(Scalar::zero());
-        let force = system.momentum_rate(&at.q, &still, at.t);
-        let forced = || system.response(&at.q, &at.qd, at.t, &force, &constant(Scalar::zero())).0;
+        let static_force = system.momentum_rate(&at.q, &constant(Scalar::zero()), at.t);
+        let forced = || response(system, at, &static_force).0;
         let moving = || nearest_aside(system, at, &at.qd, clock(system, at));
         let Some(reference) = moving().or_else(|| nearest_aside(system, at, &forced(), 0.0)) else {
             // Gradients alone tell of a system that does not move.
@@ -505,19 +503,19 @@ where
             return Some(self.alone(at));
         }
         let gradients = largest(&system.constraint_jacobian(&at.q, at.t));
-        let own = system.momentum_rate(&at.q, &at.qd, at.t);
+        let force = |node: &State<_, N>| system.momentum_rate(&node.q, &node.qd, node.t);
+        let multipliers = |node: &State<_, N>| system.multipliers(&node.q, &node.qd, node.t);
+        let own = force(at);
         let found = |h: f64, smooth: f64| {
             Nodes::about(system, &reference, at, Sys::Scalar::from_f64(h), |nodes| {
                 let accel = |node: &State<_, N>| accelerated(system, node, &own);
                 let accelerations = nodes.middle(accel, smooth, smooth * nodes.pace)?;
-                let inertial = product(&system.inertia(&at.q, &at.qd, at.t), &accelerations);
-                let rounding = smooth * (largest(&force) + largest(&inertial)) / gradients;
                 if !L {
                     return Some((self.of)(at, &accelerations, &constant(Scalar::zero())));
                 }
+                let inertial = product(&system.inertia(&at.q, &at.qd, at.t), &accelerations);
+                let rounding = smooth * (largest(&static_force) + largest(&inertial)) / gradients;
                 // (Under the force of the state alone multipliers are without bound in the line.)
-                let multipliers = |node: &State<_, N>| system.multipliers(&node.q, &node.qd, node.t);
-                let force = |node: &State<_, N>| system.momentum_rate(&node.q, &node.qd, node.t);
                 let unseen = own - nodes.middle(force, f64::INFINITY, 0.0)?;
                 let is_seen = nodes.all(|node| {
                     let error = largest(&response(system, node, &unseen).1);

@@ -43,7 +43,7 @@ pub struct Integration<const O: usize> {
     pub total: [f64; O],
     /// Cost of a sample, on the average: evaluations times what each costs.
     pub cost: f64,
-    /// Returns whether `error` keeps its share of the errors allowed, and `total` the errors allowed.
+    /// True if `error` keeps its share of the errors allowed, and `total` the errors allowed.
     pub holds: bool,
 }
 

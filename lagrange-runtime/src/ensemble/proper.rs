@@ -13,10 +13,10 @@ use core::fmt;
 /// system, of a coordinate a weight of [`Locks`](crate::traits::Locks). One sweep over
 /// [`Gradient`](crate::scalar::Gradient)s gives the derivatives of all outputs by all weights, and with them to first
 /// order the error of each set of moves, sample by sample, with its signs: two terms that cancel are seen to. Moves
-/// are tried from the smallest effect on, then pairs, and once more from all of them
-/// back; what is tried is verified by runs of the model with these weights, in lanes and on all threads. A set that
-/// is proposed keeps what is allowed on every sample of the scene: whether it does on others a
-/// [`Certification`](super::Certification) tells.
+/// are tried from the smallest effect on, then pairs, and once more from all of them back. Each set that is tried is
+/// verified by runs of the model with these weights, in lanes and on all threads. A set that is proposed keeps the
+/// errors allowed on every sample of the scene: a [`Certification`](super::Certification) tells whether it does on
+/// others.
 ///
 /// ```
 /// use lagrange_runtime::ensemble::{ClosedForm, Proper, Simulation, Sobol};
