@@ -202,6 +202,32 @@ fn loads_without_bound_are_no_numbers() {
     assert!((1..200).contains(&unknown), "{unknown}");
 }
 
+/// A load all but in the middle: the pole is told where it is 1e-10 of the load at the nearest of the nodes, which are
+/// 0.1 rad apart. A weaker one is left out.
+#[test]
+fn loads_that_are_nearly_bounded_are_no_numbers() {
+    let mut unknown = [0; 6];
+    for (beside, unknown) in [1e-2, 1e-4, 1e-6, 1e-8, 1e-9, 1e-11].into_iter().zip(&mut unknown) {
+        let linkage = Loaded { s: 0.5 + beside, ..Loaded::new() };
+        let start = State::new(0.0, START, [0.0; 3]);
+        let run = || integrate(&linkage, Dop853, PiController::tolerance(1e-12), start).until(1.0);
+        let t = run().events(Event::falling(|at: &State<f64, 3>| at.q[0])).next().unwrap().unwrap().state.t;
+        for delta in [1e-2, 1e-4, 1e-6, 1e-8] {
+            for at in run().sample([t - delta / 5.3, t + delta / 5.3]) {
+                let at = at.unwrap();
+                let found = linkage.pin_at(&at);
+                let exact = by_hand(0.5 + beside, at.q[0], at.qd[0]).1;
+                let left_out = 1e-11 / at.q[0].abs();
+                let off = worst(found.as_slice(), &exact);
+                let told = || std::format!("{beside:e}, {delta:e}: {found} {exact:?}");
+                *unknown += i32::from(found[0].is_nan());
+                assert!(found[0].is_nan() || off < (1e-6 + left_out) * exact[0].abs(), "{}", told());
+            }
+        }
+    }
+    assert_eq!(unknown, [6, 6, 6, 6, 6, 0]);
+}
+
 #[test]
 fn extremes_and_integrals_of_loads_pass_the_line() {
     let (linkage, start) = (Loaded::new(), State::new(0.0, START, [0.0; 3]));

@@ -222,29 +222,28 @@ impl<S: Real, const N: usize> Nodes<S, N> {
     }
 
     /// [`middle`](Self::middle) of a function that stays bounded: values on both sides of a pole of odd order cancel
-    /// there.
+    /// there. Times the distance, they do not: their odd part, which is even then, is the pole in the middle. Parts of
+    /// `size` are rounding.
     fn bounded<const K: usize>(
         &self,
         of: impl Fn(&State<S, N>) -> SVector<S, K>,
         smooth: f64,
-        rounding: f64,
+        mut size: f64,
     ) -> Option<SVector<S, K>> {
-        let (mut odd, mut size): (SVector<S, K>, f64) = (constant(S::zero()), 0.0);
-        for (pair, weight) in self.pairs.iter().zip(ONE_SIDED) {
+        let rounding = smooth * size;
+        let mut pole: SVector<S, K> = constant(S::zero());
+        for (j, (pair, weight)) in self.pairs.iter().zip(WEIGHTS[0]).enumerate() {
             let [before, after] = pair.each_ref().map(&of);
             size = size.max(largest(&before)).max(largest(&after));
-            odd += (after - before) * S::from_f64(0.5 * weight);
+            pole += (after - before) * S::from_f64(weight * (j + 1) as f64);
         }
-        let bounded = largest(&odd) <= (ODD * size).max(rounding);
-        if bounded { self.middle(of, smooth, rounding) } else { None }
+        if largest(&pole) <= POLE * size { self.middle(of, smooth, rounding) } else { None }
     }
 }
 
-/// Weights at 0 of the polynomial through 1, …, 6.
-const ONE_SIDED: [f64; 6] = [6.0, -15.0, 20.0, -15.0, 6.0, -1.0];
-
-/// Largest odd part in the middle, relative to values of nodes: a pole there has one of twice that of the nearest node.
-const ODD: f64 = 1e-5;
+/// Largest part of values of nodes that may be a pole, at the distance of the nearest one: what is left of 1 by rounding
+/// and by the polynomial.
+const POLE: f64 = 1e-10;
 
 /// Distance between a state and those beside it that show how long gradients are elsewhere.
 const ASIDE: f64 = 0.25;
@@ -514,17 +513,17 @@ where
                     return Some((self.of)(at, &accelerations, &constant(Scalar::zero())));
                 }
                 let inertial = product(&system.inertia(&at.q, &at.qd, at.t), &accelerations);
-                let rounding = smooth * (largest(&static_force) + largest(&inertial)) / gradients;
+                let size = (largest(&static_force) + largest(&inertial)) / gradients;
                 // (Under the force of the state alone multipliers are without bound in the line.)
                 let unseen = own - nodes.middle(force, f64::INFINITY, 0.0)?;
                 let is_seen = nodes.all(|node| {
                     let error = largest(&response(system, node, &unseen).1);
-                    error <= (SMOOTH * largest(&multipliers(node))).max(rounding)
+                    error <= (SMOOTH * largest(&multipliers(node))).max(smooth * size)
                 });
                 if !is_seen {
                     return None;
                 }
-                match nodes.bounded(multipliers, smooth, rounding) {
+                match nodes.bounded(multipliers, smooth, size) {
                     Some(multipliers) => Some((self.of)(at, &accelerations, &multipliers)),
                     None => nodes.bounded(|node| self.alone(node), smooth, 0.0),
                 }
