@@ -12,6 +12,7 @@
 //! | `systems.rs` | the systems, as their energies |
 //! | `limits.rs` | the largest steps, by theory and as measured |
 //! | `scenes.rs` | hard scenes, their truths, and what comes of them |
+//! | `linkages.rs` | those of linkages with redundant constraints or dead centres |
 
 mod limits;
 mod scenes;

@@ -1,5 +1,10 @@
 //! Hard scenes, each with a truth that no method had a part in, and what every method makes of them.
 
+// Tests without optimisation leave them out: compiling them takes longer than all others.
+#[cfg(not(all(test, debug_assertions)))]
+#[path = "linkages.rs"]
+mod linkages;
+
 use crate::systems::{
     Body, Damped, DoublePendulum, Kapitza, Kepler, Parallelogram, ParallelogramByPoints, Runaway, Spherical,
     SpringPendulum, Top, TwoParallelograms, Wheel,
@@ -153,16 +158,15 @@ impl<Sys: Lagrangian<N, Scalar = f64>, const N: usize> Scene<Sys, N> {
     }
 }
 
-impl<Sys: Lagrangian<N, Scalar = f64> + Analytic<N>, const N: usize> Scene<Sys, N> {
-    /// Runs by the methods that estimate their error.
-    fn adaptive(&self) -> Cells {
+impl<Sys: Lagrangian<N, Scalar = f64>, const N: usize> Scene<Sys, N> {
+    /// Runs by the methods that estimate their error from accelerations.
+    fn without_series(&self) -> Cells {
         let tolerance = PiController::tolerance(self.tolerance);
         vec![
             ("Tsitouras5", self.run(Tsitouras5, tolerance, true)),
             ("DormandPrince5", self.run(DormandPrince5, tolerance, true)),
             ("Dop853", self.run(Dop853, tolerance, true)),
             ("Verner9", self.run(Verner9, tolerance, true)),
-            ("Taylor", self.run(Taylor, TaylorController::tolerance(self.tolerance), true)),
             ("Rodas4", self.run(Rodas4, tolerance, true)),
             ("Rodas5P", self.run(Rodas5P, tolerance, true)),
             ("Radau5", self.run(Radau5, tolerance, true)),
@@ -170,14 +174,14 @@ impl<Sys: Lagrangian<N, Scalar = f64> + Analytic<N>, const N: usize> Scene<Sys, 
     }
 
     /// Runs by the methods that need accelerations alone.
-    fn explicit(&self) -> Cells {
+    fn by_accelerations(&self) -> Cells {
         let h = FixedStep::new(self.h);
         let equal = [
             ("Euler, h", self.run(Euler, h, false)),
             ("Heun, h", self.run(Heun, h, false)),
             ("Rk4, h", self.run(Rk4, h, false)),
         ];
-        [equal.into(), self.adaptive()].concat()
+        [equal.into(), self.without_series()].concat()
     }
 
     fn row(&self, cells: Cells) -> Row {
@@ -189,6 +193,21 @@ impl<Sys: Lagrangian<N, Scalar = f64> + Analytic<N>, const N: usize> Scene<Sys, 
             expected: self.expected,
             cells,
         }
+    }
+}
+
+impl<Sys: Lagrangian<N, Scalar = f64> + Analytic<N>, const N: usize> Scene<Sys, N> {
+    fn taylor(&self) -> Cells {
+        vec![("Taylor", self.run(Taylor, TaylorController::tolerance(self.tolerance), true))]
+    }
+
+    /// Runs by the methods that estimate their error.
+    fn adaptive(&self) -> Cells {
+        [self.without_series(), self.taylor()].concat()
+    }
+
+    fn explicit(&self) -> Cells {
+        [self.by_accelerations(), self.taylor()].concat()
     }
 }
 
@@ -300,6 +319,8 @@ pub fn rows(short: bool) -> Vec<Row> {
     rows.push(scene.row(scene.explicit()));
     let scene = coin(0.0);
     rows.push(scene.row(scene.explicit()));
+    #[cfg(not(all(test, debug_assertions)))]
+    rows.extend(linkages::rows());
     rows
 }
 
@@ -384,6 +405,17 @@ pub fn sweep(name: &str, runs: u32) -> BTreeMap<(String, &'static str), Counts> 
         parallelogram_by_points => adaptive;
         disk => adaptive;
         coin => adaptive;
+    }
+    #[cfg(not(debug_assertions))]
+    scenes! {
+        linkages::three_cranks => without_series;
+        linkages::four_cranks => without_series;
+        linkages::twelve_loops => adaptive;
+        linkages::slider_crank => adaptive;
+        linkages::bennett => without_series;
+        linkages::sarrus => without_series;
+        linkages::scissors => adaptive;
+        linkages::guided_scissors => without_series;
     }
     counts
 }

@@ -121,6 +121,15 @@ fn the_parallelogram_is_right_or_names_its_constraints() {
     nothing_is_silent("parallelogram", if cfg!(debug_assertions) { 8 } else { 200 });
 }
 
+/// Redundant constraints and dead centres. Three and four cranks are in one line at times.
+#[cfg(not(debug_assertions))]
+#[test]
+fn linkages_are_right_or_name_their_constraints() {
+    for scene in ["linkage", "slider-crank", "Bennett", "Sarrus", "scissors"] {
+        nothing_is_silent(scene, 20);
+    }
+}
+
 /// Constraints on velocities, on motions that keep their lean.
 #[test]
 fn rolling_is_right() {

@@ -1,6 +1,6 @@
 //! Impulses: the jump of the velocities, and the energy that it adds (Beatty 2006, 11.9, (11.58): Δp = P).
 
-use crate::constraint::{Constrained, transposed};
+use crate::constraint::{Constrained, struck};
 use crate::scalar::Scalar;
 use crate::state::State;
 use crate::system::{Lagrangian, LegendreTransform};
@@ -53,7 +53,8 @@ pub trait Impulsive<const N: usize>: Lagrangian<N> {
     /// The jump `q̇⁺ = q̇⁻ + M⁻¹ (P + Aᵀ Λ)` by a generalized impulse P, an entry for each coordinate: the time
     /// integral of the generalized forces over a blow so short that nothing moves. Λ are the impulses of the
     /// constraints. A force impulse at a point becomes a generalized one by the function of an
-    /// `impulse name at [x, y];` statement.
+    /// `impulse name at [x, y];` statement. Near a position in which constraints are dependent the jump is that of
+    /// the branch that q̇ is along, and not a number where q̇ is along none.
     ///
     /// ```
     /// use lagrange_runtime::prelude::*;
@@ -92,9 +93,7 @@ pub fn constrained_jump<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     at: &State<Sys::Scalar, N>,
     impulse: &SVector<Sys::Scalar, N>,
 ) -> Jump<Sys::Scalar, N> {
-    let none = SVector::from_fn(|_, _| Sys::Scalar::zero());
-    let (change, impulses) = system.response(&at.q, &at.qd, at.t, impulse, &none);
-    let reaction = transposed(&system.constraint_jacobian(&at.q, at.t), &impulses);
+    let [change, reaction] = struck(system, at, impulse);
     jump(at, at.qd + change, impulse, reaction)
 }
 

@@ -45,17 +45,20 @@ impl<const N: usize, const K: usize> Locks<N, K> {
     /// Names of coordinates, and the places where they are locked, in their units.
     ///
     /// # Errors
-    /// [`NotLockable`], unless each is a coordinate of the system, and given once. Parameters of a rotation are none:
-    /// its state may go over to others.
+    /// [`NotLockable`], unless each is a coordinate of the system, given once, and its place a finite number.
+    /// Parameters of a rotation are none: its state may go over to others.
     pub fn new<Sys: Independent<N>>(held: [(&'static str, f64); K]) -> Result<Self, NotLockable> {
         let mut indices = [0; K];
-        for (k, (name, _)) in held.iter().enumerate() {
+        for (k, (name, place)) in held.iter().enumerate() {
             let refused = |cause| Err(NotLockable { coordinate: name, cause });
             let Some(index) = Sys::FACTS.coordinates.iter().position(|known| known == name) else {
                 return refused(Cause::Unknown(Sys::FACTS.coordinates));
             };
             if indices[..k].contains(&index) {
                 return refused(Cause::Twice);
+            }
+            if !place.is_finite() {
+                return refused(Cause::NotFinite);
             }
             if Sys::ATTITUDES.iter().any(|first| (*first..first + 3).contains(&index)) {
                 return refused(Cause::Rotation);
@@ -89,6 +92,7 @@ pub struct NotLockable {
 enum Cause {
     Unknown(&'static [&'static str]),
     Twice,
+    NotFinite,
     Rotation,
 }
 
@@ -103,6 +107,9 @@ impl fmt::Display for NotLockable {
                 )
             }
             Cause::Twice => write!(f, "`{coordinate}` is locked twice; help: leave one of them out"),
+            Cause::NotFinite => {
+                write!(f, "`{coordinate}` is locked at no finite place; help: give one, in its units")
+            }
             Cause::Rotation => write!(
                 f,
                 "`{coordinate}` is a parameter of a rotation, which has others where it turns far; help: write the joint by angles"

@@ -416,6 +416,10 @@ fn what_cannot_be_locked_is_refused() {
     assert!(of([("theta1", 0.0), ("theta3", 0.0)]).contains("`theta3` is no coordinate"));
     assert!(of([("theta1", 0.0), ("theta1", 0.0)]).contains("locked twice"));
     let of_rotation = <Turning as Lagrangian<3>>::FACTS.coordinates[2];
+    for place in [f64::NAN, f64::INFINITY] {
+        let refused = Locks::<4, 1>::new::<Spatial>([("phi1", place)]).expect_err("refused").to_string();
+        assert_eq!(refused, "`phi1` is locked at no finite place; help: give one, in its units");
+    }
     let refused = Locks::<3, 1>::new::<Turning>([(of_rotation, 0.0)]).expect_err("refused").to_string();
     assert!(refused.contains("parameter of a rotation"), "{refused}");
 }

@@ -1,7 +1,7 @@
 //! Multipliers, reactions, derivatives and equilibria near positions in which constraints are dependent.
 
 use lagrange_runtime::analysis::{
-    BifurcationKind, Heading, Path, Sensitivity, SmallMotion, equilibrium, follow, sensitivity,
+    BifurcationKind, Heading, Path, Sensitivity, SmallMotion, equilibria, equilibrium, follow, sensitivity,
 };
 use lagrange_runtime::prelude::*;
 use nalgebra::SVector;
@@ -18,6 +18,7 @@ lagrangian! {
         constraint end: [l * cos(a) + cos(b), l * sin(a) + sin(b)] == [l * cos(c) + base, l * sin(c)];
         observe pin = reaction(end);
         observe along = reaction(end)[0];
+        event line: a;
         event pulls: reaction(end)[0] + 14, falling;
     }
 }
@@ -228,6 +229,38 @@ fn loads_that_are_nearly_bounded_are_no_numbers() {
     assert_eq!(unknown, [6, 6, 6, 6, 6, 0]);
 }
 
+/// An impulse changes the rate of the cranks by the impulses on both over 5/3, at any distance from the line, also at a
+/// state that an event found there. At rest in the line no branch is given.
+#[test]
+fn impulses_in_the_line_are_right() {
+    let linkage = Loaded::new();
+    let start = State::new(0.0, START, [0.0; 3]);
+    let ends = [1e-6, 1e-9, 1e-12].map(|tolerance| {
+        let run = integrate(&linkage, Dop853, PiController::tolerance(tolerance), start).until(1.0);
+        let event = run.events(Loaded::LINE.terminal()).last().unwrap().unwrap();
+        assert!(event.state.q.amax() < 1e-5, "{event:?}");
+        (event.state, 1e-6 + 10.0 * tolerance)
+    });
+    let angles = [0.5, 1e-2, 1e-4, 1e-6, 1e-8, 1e-12, 1e-19, 0.0, -1e-9];
+    let states = angles.map(|a| (State::new(0.0, [a, a, 0.0], [2.0, 2.0, 0.0]), 1e-8));
+    for (at, error) in states.into_iter().chain(ends) {
+        for impulse in [[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.3, -0.8, 0.7], [0.0, 0.0, 1.0]] {
+            let jump = linkage.jump(&at, &impulse.into());
+            let (before, change) = (0.5 * (at.qd[0] + at.qd[1]), (impulse[0] + impulse[1]) / (5.0 / 3.0));
+            let exact = [before + change, before + change, 0.0];
+            let told = || std::format!("{at:?} {impulse:?}: {jump:?}");
+            assert!(worst(jump.after.qd.as_slice(), &exact) < error, "{}", told());
+            let gained = 5.0 / 3.0 * change * (before + 0.5 * change);
+            assert!((jump.energy - gained).abs() < 10.0 * error, "{gained} {}", told());
+            // M Δq̇ = P + reaction, of which the last row is ½ cos a Δȧ.
+            let reaction = 0.5 * at.q[0].cos() * change - impulse[2];
+            assert!((jump.reaction[2] - reaction).abs() < error, "{}", told());
+        }
+    }
+    let rest = State::new(0.0, [0.0; 3], [0.0; 3]);
+    assert!(linkage.jump(&rest, &[0.3, -0.8, 0.7].into()).after.qd[0].is_nan());
+}
+
 #[test]
 fn extremes_and_integrals_of_loads_pass_the_line() {
     let (linkage, start) = (Loaded::new(), State::new(0.0, START, [0.0; 3]));
@@ -417,6 +450,13 @@ fn equilibria_in_singular_positions_are_told() {
     for guess in [[0.6, 0.6, 0.0], [0.1, 0.1, 0.0], [0.0; 3]] {
         let error = equilibrium(&linkage, &guess).unwrap_err();
         assert_eq!(error.name(), "DependentConstraints", "{guess:?}: {error}");
+    }
+    // From starts on no branch Newton's method ends beside both of them, by roundings of the constraints.
+    for linkage in [linkage, Loaded { k: 5.0, g: 0.0, ..Loaded::new() }] {
+        for starts in [30, 200] {
+            let found = equilibria(&linkage, &[-1.0; 3], &[1.0; 3], starts).unwrap();
+            assert!(found.is_empty(), "{found:?}");
+        }
     }
     let belt = Belt::new(1.0);
     let error = equilibrium(&belt, &[0.0; 2]).unwrap_err().to_string();

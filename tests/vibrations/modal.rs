@@ -97,6 +97,33 @@ fn damping_couples_the_modes() {
     }
 }
 
+/// A damper on one of two masses between three springs of 1 N/m: `C = c/2 [1 1; 1 1]` in modes with ω² = 1 and 3. The
+/// amplitude of the other mode, to first order, is that in the eigenvector of the whole.
+#[test]
+fn coupling_is_the_amplitude_of_the_other_mode() {
+    let system = |c| Damped::new(1.0, 1.0, 1.0, 3.0, 0.5 * c, 0.5 * c, 0.5 * c);
+    let coupling =
+        |c, kept| ModalModel::<_, 2, 1>::of_modes(&system(c), &[0.0; 2], [kept]).unwrap().coupling();
+    for c in [1e-3, 0.2] {
+        let exact = [0.5 * c, 0.5 * c * 3f64.sqrt()].map(|force| force / force.hypot(2.0));
+        assert!((coupling(c, 0) - exact[0]).abs() < 1e-15 && (coupling(c, 1) - exact[1]).abs() < 1e-15);
+        let start = State::new(0.0, [1.0, 0.0], [0.0; 2]);
+        let whole = ModalModel::<_, 2, 2>::about(&system(c), &[0.0; 2]).unwrap();
+        assert_eq!(whole.coupling().to_bits(), 0);
+        let other = (1..4000).map(|k| exactly(&whole, start, 0.01 * f64::from(k)).q[1].abs());
+        // Two amplitudes, as its own vibration is as large at the start and as slow to end.
+        let most = other.fold(0.0, f64::max);
+        assert!(most < 2.0 * exact[0] && most > 0.9 * exact[0], "{c}: {most} {}", exact[0]);
+    }
+    // A rigid mode that a damper slows down: c/2 over (ω² = 2, c/2).
+    let sled = Damped::new(1.0, 1.0, 0.0, 2.0, 0.1, 0.1, 0.1);
+    let rigid = ModalModel::<_, 2, 1>::of_modes(&sled, &[0.0; 2], [0]).unwrap();
+    assert!((rigid.coupling() - 0.01 / 2f64.hypot(0.01)).abs() < 1e-15, "{}", rigid.coupling());
+    // Gyroscopic terms of a size of the stiffness: one mode says nothing.
+    let gyroscopic = Plain::new(1.0, 1.5, 0.0, 2.0, 0.0);
+    assert!(ModalModel::<_, 2, 1>::about(&gyroscopic, &[0.0; 2]).unwrap().coupling() > 3.0);
+}
+
 /// With all modes a linear system is itself, gyroscopic terms included, and keeps its energies and its trait.
 #[test]
 fn all_modes_are_the_system() {

@@ -11,6 +11,7 @@
 
 mod dependent;
 mod redundant;
+mod squared;
 
 pub use redundant::Redundancy;
 
@@ -117,6 +118,15 @@ pub fn rows(g: &mut Graph, model: &Model, values: &[Value], errors: &mut Errors)
         if row.iter().all(|a| g.vanishes(*a)) {
             let message = format!(
                 "the constraint `{}` does not depend on any coordinate\nhelp: a relation between parameters is `let`; a given motion is `coord name = f(t);`",
+                constraint.label()
+            );
+            errors.push(&constraint.written, message);
+            sound = false;
+            continue;
+        }
+        if kind == ConstraintKind::Holonomic && squared::check(g, value, &row) {
+            let message = format!(
+                "the gradient of the constraint `{}` vanishes wherever it holds, as that of a square does: it exerts no force\nhelp: write what is squared, `… == 0`, and for a sum of squares a constraint for each",
                 constraint.label()
             );
             errors.push(&constraint.written, message);

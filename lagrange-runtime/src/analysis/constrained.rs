@@ -43,8 +43,9 @@ pub(super) const SINGULAR: f64 = 1e-2;
 /// Distance of a state that shows how long gradients are elsewhere, relative to `1 + |q|`.
 const FAR: f64 = 0.2;
 
-/// Least singular value of gradients at a state with digits for small motions.
-const VANISHED: f64 = 1e-8;
+/// Least singular value of gradients at a state with digits for small motions: such a state is beside its branch by
+/// roundings of the constraints over this, which are a part of it that is its square.
+const VANISHED: f64 = 1e-5;
 
 /// Newton's iterations toward the constraints.
 const MOST_CORRECTIONS: usize = 50;
@@ -60,9 +61,17 @@ fn held<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
     let all = Held::all(system, at)?;
     fulfilled(&all, at.q.as_slice(), at.qd.as_slice())?;
     let units = units(&dynamic(&system.inertia(&at.q, &at.qd, at.t)));
-    TangentSpace::new(&all, &units, &[ACTS; N])?;
-    // (A gradient that is rounding is no direction.)
-    match nearly_dependent(&all, &far(system, at)?, &units, VANISHED) {
+    let space = TangentSpace::new(&all, &units, &[ACTS; N])?;
+    let far = far(system, at)?;
+    // More of them are independent than anywhere else: one has a gradient that is rounding, which is no direction.
+    let spare = all.first().map_or(0, |held| held.spare);
+    if spare < all.len() && space.rows.len() + spare > all.len() {
+        let length = |j: usize| all[j].row.amax() / far[j].row.amax();
+        let shortest = (0..all.len()).min_by(|i, j| length(*i).total_cmp(&length(*j))).unwrap_or(0);
+        let (constraint, left) = (all[shortest].of.name, length(shortest));
+        return Err(AnalysisError::DependentConstraints { constraint, left });
+    }
+    match nearly_dependent(&all, &far, &units, VANISHED) {
         Some(error) => Err(error),
         None => Ok(all),
     }

@@ -21,8 +21,8 @@ use nalgebra::{DMatrix, SMatrix, SVector};
 /// `η̈ + Φᵀ C Φ η̇ + Λ η = Φᵀ B (u − u₀)`,
 ///
 /// in which C is damping and gyroscopic terms together, as a full matrix: it may couple the modes that are kept, and
-/// what couples them with the others is left out. η has the unit of q times the root of that of M (m kg^½), ωₖ² that
-/// of 1/s².
+/// what couples them with the others is left out ([`coupling`](Self::coupling) says how much that is). η has the unit
+/// of q times the root of that of M (m kg^½), ωₖ² that of 1/s².
 ///
 /// The equations are [`Linear`] and [`Autonomous`]: [`MatrixExponential`](crate::MatrixExponential) propagates them
 /// exactly in one step of any length. The energy is conserved where that of the system is. Every run,
@@ -94,6 +94,8 @@ struct Shapes {
     shapes: DMatrix<f64>,
     /// φₖᵀ M, by rows.
     weights: DMatrix<f64>,
+    /// `φᵢᵀ C φₖ`
+    damping: DMatrix<f64>,
 }
 
 impl Shapes {
@@ -181,11 +183,11 @@ where
         }
         let minimal =
             DMatrix::from_columns(&(0..modes.len()).map(|k| modes.normalized(k)).collect::<Vec<_>>());
-        let own = minimal.select_columns(&kept);
+        let damping = minimal.tr_mul(&(small.velocity_terms() * &minimal));
         let squares = modes.squares().to_vec();
         let reduced = SmallMotion::new(
             DMatrix::identity(R, R),
-            own.tr_mul(&(small.velocity_terms() * &own)),
+            damping.select_columns(&kept).select_rows(&kept),
             DMatrix::from_fn(R, R, |i, j| if i == j { squares[kept[i]] } else { 0.0 }),
         )?;
         let at = rest(found.q);
@@ -198,7 +200,7 @@ where
             place: found.q,
             shapes: SMatrix::from_fn(|i, k| shapes[(i, kept[k])]),
             weights: SMatrix::from_fn(|k, i| weights[(kept[k], i)]),
-            all: Shapes { squares, shapes, weights },
+            all: Shapes { squares, shapes, weights, damping },
             kept,
             equations: LinearModel::new(&reduced)?,
             by_inputs: SMatrix::zeros(),
@@ -317,6 +319,21 @@ impl<Sys, const WHOLE: usize, const R: usize, const K: usize> ModalModel<Sys, WH
     /// any combination of them is a mode, and the smallest change of the system turns one into another.
     pub fn left_out(&self) -> Option<f64> {
         self.all.others(&self.kept).next().map(|k| self.all.squares[k].sqrt())
+    }
+
+    /// The largest amplitude, to first order, of a mode that is left out beside one that is kept, which moves it by
+    /// damping and gyroscopic terms: `|cₗₖ s| / |ωₗ² − ωₖ² + i cₗₗ s|` with `c = φₗᵀ C φₖ` and `s = ωₖ`, or `cₖₖ` of a
+    /// rigid mode, which these slow down. 0 where C is diagonal in modes, as with Rayleigh's damping; what is not
+    /// small beside 1 says that the modes belong together.
+    pub fn coupling(&self) -> f64 {
+        let Shapes { squares, damping, .. } = &self.all;
+        let part = |l: usize, k: usize| {
+            let s = if squares[k] > 0.0 { squares[k].sqrt() } else { damping[(k, k)].abs() };
+            let force = damping[(l, k)].abs() * s;
+            if force > 0.0 { force / (squares[l] - squares[k]).hypot(damping[(l, l)] * s) } else { 0.0 }
+        };
+        let pairs = self.all.others(&self.kept).flat_map(|l| self.kept.map(|k| part(l, k)));
+        pairs.fold(0.0, f64::max)
     }
 
     /// The state of the whole system, `q = q₀ + Φ η + S (u − u₀)` and `q̇ = Φ η̇`.

@@ -6,7 +6,7 @@
 //! first, and the nearest accelerations are interpolated.
 
 use super::dependence::{least_sine, nearly_dependent_part};
-use super::{Constrained, independence, restore};
+use super::{Constrained, independence, restore, transposed};
 use crate::linear::product;
 use crate::scalar::{Real, RealCase, Scalar};
 use crate::state::{Begun, State, constant};
@@ -241,9 +241,12 @@ impl<S: Real, const N: usize> Nodes<S, N> {
     }
 }
 
-/// Largest part of values of nodes that may be a pole, at the distance of the nearest one: what is left of 1 by rounding
-/// and by the polynomial.
+/// Largest part of values of nodes that may be a pole, at the distance of the nearest one: what rounding and the
+/// polynomial leave of 1.
 const POLE: f64 = 1e-10;
+
+/// Change of a force by a distance, in units of both, that is none of place alone.
+const STEEP: f64 = 10.0;
 
 /// Distance between a state and those beside it that show how long gradients are elsewhere.
 const ASIDE: f64 = 0.25;
@@ -491,47 +494,118 @@ where
     {
         let (system, at) = (self.system, self.at);
         let static_force = system.momentum_rate(&at.q, &constant(Scalar::zero()), at.t);
-        let forced = || response(system, at, &static_force).0;
-        let moving = || nearest_aside(system, at, &at.qd, clock(system, at));
-        let Some(reference) = moving().or_else(|| nearest_aside(system, at, &forced(), 0.0)) else {
-            // Gradients alone tell of a system that does not move.
-            return (least_sine(system, at, VANISHED) >= CLOSE).then(|| self.alone(at));
-        };
-        let independence = independence::<Sys, N, M>(system, &reference, at);
-        if independence >= BETWEEN {
-            return Some(self.alone(at));
-        }
-        let gradients = largest(&system.constraint_jacobian(&at.q, at.t));
         let force = |node: &State<_, N>| system.momentum_rate(&node.q, &node.qd, node.t);
         let multipliers = |node: &State<_, N>| system.multipliers(&node.q, &node.qd, node.t);
-        let own = force(at);
-        let found = |h: f64, smooth: f64| {
-            Nodes::about(system, &reference, at, Sys::Scalar::from_f64(h), |nodes| {
-                let accel = |node: &State<_, N>| accelerated(system, node, &own);
-                let accelerations = nodes.middle(accel, smooth, smooth * nodes.pace)?;
-                if !L {
-                    return Some((self.of)(at, &accelerations, &constant(Scalar::zero())));
-                }
-                let inertial = product(&system.inertia(&at.q, &at.qd, at.t), &accelerations);
-                let size = (largest(&static_force) + largest(&inertial)) / gradients;
-                // (Under the force of the state alone multipliers are without bound in the line.)
-                let unseen = own - nodes.middle(force, f64::INFINITY, 0.0)?;
-                let is_seen = nodes.all(|node| {
-                    let error = largest(&response(system, node, &unseen).1);
-                    error <= (SMOOTH * largest(&multipliers(node))).max(smooth * size)
-                });
-                if !is_seen {
-                    return None;
-                }
-                match nodes.bounded(multipliers, smooth, size) {
-                    Some(multipliers) => Some((self.of)(at, &accelerations, &multipliers)),
-                    None => nodes.bounded(|node| self.alone(node), smooth, 0.0),
-                }
-            })
+        let of = |nodes: Nodes<Sys::Scalar, N>, smooth: f64| {
+            let own = force(at);
+            let accel = |node: &State<_, N>| accelerated(system, node, &own);
+            let accelerations = nodes.middle(accel, smooth, smooth * nodes.pace)?;
+            if !L {
+                return Some((self.of)(at, &accelerations, &constant(Scalar::zero())));
+            }
+            let inertial = product(&system.inertia(&at.q, &at.qd, at.t), &accelerations);
+            let gradients = largest(&system.constraint_jacobian(&at.q, at.t));
+            let size = (largest(&static_force) + largest(&inertial)) / gradients;
+            // (Under the force of the state alone multipliers are without bound in the line.)
+            // A state beside its branch has a force beside that of the branch.
+            let unseen = own - nodes.middle(force, f64::INFINITY, 0.0)?;
+            let beside = largest(&(at.q - nodes.middle(|node| node.q, f64::INFINITY, 0.0)?));
+            let least = (STEEP * beside).clamp(SMOOTHER, SMOOTH);
+            let is_seen = nodes.all(|node| {
+                let error = largest(&response(system, node, &unseen).1);
+                error <= least * largest(&multipliers(node)).max(size)
+            });
+            if !is_seen {
+                return None;
+            }
+            match nodes.bounded(multipliers, smooth, size) {
+                Some(multipliers) => Some((self.of)(at, &accelerations, &multipliers)),
+                None => nodes.bounded(|node| self.alone(node), smooth, 0.0),
+            }
         };
-        let on_branch = || Some(self.alone(&projected(system, at, &at.qd, 0.0, 0.0)?));
-        let near = || if independence >= CLOSE { on_branch() } else { found(0.0, SMOOTH) };
-        // Nodes farther apart lose fewer digits, if all is smooth there.
-        found(32.0 * WIDE / largest(&at.qd), SMOOTHER).or_else(near)
+        on_both_sides(system, at, &static_force, |at| self.alone(at), of)
+    }
+}
+
+/// A quantity at a state at which gradients are nearly dependent: that of the state alone if they are so everywhere, by
+/// masses that differ much, else that `of` nodes, to some part of it. `push` is a force that may move a state at rest.
+fn on_both_sides<Sys: Constrained<N, M>, const N: usize, const M: usize, T>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+    push: &SVector<Sys::Scalar, N>,
+    alone: impl Fn(&State<Sys::Scalar, N>) -> T,
+    of: impl Fn(Nodes<Sys::Scalar, N>, f64) -> Option<T>,
+) -> Option<T>
+where
+    Sys::Scalar: Real,
+{
+    let moving = || nearest_aside(system, at, &at.qd, clock(system, at));
+    let pushed = || nearest_aside(system, at, &response(system, at, push).0, 0.0);
+    let Some(reference) = moving().or_else(pushed) else {
+        // Gradients alone tell of a system that does not move.
+        return (least_sine(system, at, VANISHED) >= CLOSE).then(|| alone(at));
+    };
+    let independence = independence::<Sys, N, M>(system, &reference, at);
+    if independence >= BETWEEN {
+        return Some(alone(at));
+    }
+    let found = |h: f64, smooth: f64| {
+        Nodes::about(system, &reference, at, Sys::Scalar::from_f64(h), |nodes| of(nodes, smooth))
+    };
+    let on_branch = || Some(alone(&projected(system, at, &at.qd, 0.0, 0.0)?));
+    let near = || if independence >= CLOSE { on_branch() } else { found(0.0, SMOOTH) };
+    // Nodes farther apart lose fewer digits, if all is smooth there.
+    found(32.0 * WIDE / largest(&at.qd), SMOOTHER).or_else(near)
+}
+
+/// Change of the velocities by an impulse, and the impulse `Aᵀ Λ` of the constraints: near a state at which constraints
+/// are dependent those on the branch that it is on, as of [`motion`].
+#[inline]
+pub fn struck<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+    impulse: &SVector<Sys::Scalar, N>,
+) -> [SVector<Sys::Scalar, N>; 2] {
+    Scalar::by_case(Struck::<_, N, M> { system, at, impulse })
+}
+
+/// [`struck`], to be computed.
+struct Struck<'a, Sys: Constrained<N, M>, const N: usize, const M: usize> {
+    system: &'a Sys,
+    at: &'a State<Sys::Scalar, N>,
+    impulse: &'a SVector<Sys::Scalar, N>,
+}
+
+impl<Sys: Constrained<N, M>, const N: usize, const M: usize> RealCase<Sys::Scalar> for Struck<'_, Sys, N, M> {
+    type Output = [SVector<Sys::Scalar, N>; 2];
+
+    #[inline]
+    fn real(self) -> Self::Output
+    where
+        Sys::Scalar: Real,
+    {
+        let Struck { system, at, impulse } = self;
+        if least_sine(system, at, 1.0) >= BETWEEN {
+            return self.any();
+        }
+        let of = |nodes: Nodes<Sys::Scalar, N>, smooth: f64| {
+            // What constraints take leaves roundings of what it would do without them.
+            let inertia = system.inertia(&at.q, &at.qd, at.t);
+            let free = (0..N).map(|i| (impulse[i] / inertia[(i, i)]).to_f64().abs());
+            let rounding = smooth * free.filter(|x| x.is_finite()).fold(0.0, f64::max);
+            let change = nodes.middle(|node| response(system, node, impulse).0, smooth, rounding)?;
+            // (Their sum stays bounded, whatever the impulses of single constraints do.)
+            Some([change, product(&inertia, &change) - impulse])
+        };
+        let alone = |at: &State<_, N>| Struck::<_, N, M> { system, at, impulse }.any();
+        on_both_sides(system, at, impulse, alone, of)
+            .unwrap_or_else(|| [constant(Sys::Scalar::from_f64(f64::NAN)); 2])
+    }
+
+    #[inline]
+    fn any(self) -> Self::Output {
+        let Struck { system, at, impulse } = self;
+        let (change, impulses) = response(system, at, impulse);
+        [change, transposed(&system.constraint_jacobian(&at.q, at.t), &impulses)]
     }
 }

@@ -42,6 +42,28 @@ pub mod constraint_as_an_inequality {
     }
 }
 
+// A square, and a sum of squares, whose gradients vanish where they do.
+pub mod constraint_as_a_square {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Pendulum {
+            param m, l, g = 9.81;
+            coord x, y;
+            T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2));
+            V = m * g * y;
+            constraint rod: (x * x + y * y - l * l).powi(2) == 0;
+            constraint peg: (x - l).powi(2) + y.powi(2) == 0;
+        }
+    }
+
+    pub fn main() {
+        let system = Pendulum::new(1.0, 0.5);
+        let start = consistent(&system, &State::new(0.0, [0.1, 0.1], [0.0, 0.0]));
+        println!("{:?} {}", start, system.multipliers(&SVector::zeros(), &SVector::zeros(), 0.0));
+    }
+}
+
 // Two constraints of one name.
 pub mod constraint_defined_twice {
     use lagrange_runtime::prelude::*;
