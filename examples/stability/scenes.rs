@@ -173,6 +173,18 @@ impl<Sys: Lagrangian<N, Scalar = f64>, const N: usize> Scene<Sys, N> {
         ]
     }
 
+    /// Runs by one method of each kind, of systems that take long to compile.
+    #[cfg(not(all(test, debug_assertions)))]
+    fn few(&self) -> Cells {
+        let tolerance = PiController::tolerance(self.tolerance);
+        vec![
+            ("Rk4, h", self.run(Rk4, FixedStep::new(self.h), false)),
+            ("Dop853", self.run(Dop853, tolerance, true)),
+            ("Verner9", self.run(Verner9, tolerance, true)),
+            ("Radau5", self.run(Radau5, tolerance, true)),
+        ]
+    }
+
     /// Runs by the methods that need accelerations alone.
     fn by_accelerations(&self) -> Cells {
         let h = FixedStep::new(self.h);
@@ -410,12 +422,12 @@ pub fn sweep(name: &str, runs: u32) -> BTreeMap<(String, &'static str), Counts> 
     scenes! {
         linkages::three_cranks => without_series;
         linkages::four_cranks => without_series;
-        linkages::twelve_loops => adaptive;
+        linkages::twelve_loops => few;
         linkages::slider_crank => adaptive;
         linkages::bennett => without_series;
         linkages::sarrus => without_series;
-        linkages::scissors => adaptive;
-        linkages::guided_scissors => without_series;
+        linkages::scissors => few;
+        linkages::guided_scissors => few;
     }
     counts
 }

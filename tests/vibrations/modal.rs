@@ -77,6 +77,9 @@ fn damping_couples_the_modes() {
     let whole = ModalModel::<_, 2, 2>::about(&system, &[0.0; 2]).unwrap();
     let (kept, left) = whole.restrict(&start);
     assert!(left.energy.to_bits() == 0 && whole.left_out().is_none());
+    for none in [f64::NAN, f64::INFINITY] {
+        assert!(whole.restrict(&State::new(0.0, [none, 0.0], [0.0; 2])).1.part().is_nan());
+    }
     let end = whole.lift(&exactly(&whole, kept, 3.0));
     let digits = [0.345_372_591_120_085_3, -0.023_052_039_521_553_43];
     let rates = [0.197_251_151_373_239_78, -0.430_074_032_599_504_5];

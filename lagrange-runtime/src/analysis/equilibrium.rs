@@ -96,7 +96,7 @@ pub(super) fn resting<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     let coordinate = Coordinate::of::<Sys, N>(coordinate);
     let refused = |nearest| AnalysisError::NotEquilibrium { residual, coordinate, nearest };
     let found = match equilibrium(system, q) {
-        Err(AnalysisError::NotConverged { .. } | AnalysisError::Unbalanced { .. }) => {
+        Err(AnalysisError::NotConverged { .. } | AnalysisError::Unbalanced { .. }) if residual != 0.0 => {
             return Err(refused(None));
         }
         other => other?,

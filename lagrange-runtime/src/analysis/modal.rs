@@ -32,8 +32,9 @@ use nalgebra::{DMatrix, SMatrix, SVector};
 ///
 /// With inputs u ([`with_inputs`](Self::with_inputs)), B = M ∂q̈/∂u, and the modes that are left out follow them as in
 /// statics: `S = Σ φₖ φₖᵀ B / ωₖ²` over these modes (static correction, or mode-acceleration method; Craig and Kurdila
-/// 2006, ch. 11). So a deflection at rest under a constant load is exact for every R. Velocities that are lifted are
-/// Φ η̇, without the rate at which S follows a load that changes.
+/// 2006, ch. 11). So a deflection at rest under a constant load is exact for every R, but for what rounding makes of
+/// the lowest modes: ωₖ² is known to the rounding of the largest one of all modes, and counts as 0 below that.
+/// Velocities that are lifted are Φ η̇, without the rate at which S follows a load that changes.
 ///
 /// ```
 /// use lagrange_runtime::analysis::ModalModel;
@@ -126,9 +127,10 @@ pub struct Remainder<const N: usize> {
 }
 
 impl<const N: usize> Remainder<N> {
-    /// The part of the energy of small motions that is left out, from 0 to 1; 0 at the equilibrium.
+    /// The part of the energy of small motions that is left out, from 0 to 1; 0 at rest in the equilibrium that belongs
+    /// to the inputs. Not a number for a state that is none, or whose energy overflows.
     pub fn part(&self) -> f64 {
-        if self.whole > 0.0 { self.energy / self.whole } else { 0.0 }
+        if self.whole == 0.0 { 0.0 } else { self.energy / self.whole }
     }
 }
 
@@ -140,13 +142,13 @@ impl<Sys, const WHOLE: usize, const R: usize> ModalModel<Sys, WHOLE, R>
 where
     Sys: Linearize<WHOLE, Scalar = f64> + Clone,
 {
-    /// The model of the `R` modes of lowest frequency about the equilibrium `q`, which may be given to some digits.
+    /// The model of the `R` modes of lowest frequency about the equilibrium `q`, which may be given to half its digits.
     /// Inputs, if the system has any, are held as they are.
     ///
     /// # Hypotheses
     /// - Those of [`small_vibrations`](super::small_vibrations): `q` is an equilibrium, and time does not appear.
-    /// - K is symmetric and has no negative eigenvalue, and damping is nowhere negative. Rigid modes (ω = 0) are modes
-    ///   as others.
+    /// - K is symmetric and has no negative eigenvalue, and damping is nowhere negative. Modes with ω = 0 are modes as
+    ///   others, rigid ones; what higher orders do along them (`V = −x⁴`) is not looked at.
     /// - Constraints, if there are any, are between positions. The model moves on their tangent space: what it lifts is
     ///   on them to first order in η.
     /// - The system has R modes at least.

@@ -11,7 +11,7 @@ use nalgebra::{DMatrix, SMatrix, SVector};
 
 /// The equations of small motions as a [`Lagrangian`] system: `L = ½ q̇ᵀMq̇ + ½ q̇ᵀGq − ½ qᵀKq`, `D = ½ q̇ᵀCq̇`, and
 /// as forces the circulatory ones. Being [`Linear`], it is propagated exactly by
-/// [`MatrixExponential`](crate::MatrixExponential).
+/// [`MatrixExponential`](crate::MatrixExponential). Its coordinates are deviations from the equilibrium.
 ///
 /// ```
 /// use lagrange_runtime::analysis::{LinearModel, small_vibrations};

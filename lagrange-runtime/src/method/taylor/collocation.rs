@@ -3,7 +3,7 @@
 //!
 //! The motion is smooth on either side of such a time: from rest under gravity |q̇| is g (t − t₀) after it. The
 //! polynomial of the step is then found by collocation: its second derivative agrees with the accelerations at the
-//! Chebyshev points of the step. FixedStep-point iteration finds it, and its error is estimated as that of a series
+//! Chebyshev points of the step. Fixed-point iteration finds it, and its error is estimated as that of a series
 //! is.
 
 use super::changes;
