@@ -214,6 +214,7 @@ impl<Sys: Lagrangian<N, Scalar = f64> + Analytic<N>, const N: usize> Scene<Sys, 
     }
 
     /// Runs by the methods that estimate their error.
+    #[cfg(test)]
     fn adaptive(&self) -> Cells {
         [self.without_series(), self.taylor()].concat()
     }

@@ -37,6 +37,8 @@ use nalgebra::{SMatrix, SVector};
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Locks<const N: usize, const K: usize> {
+    /// Coordinates of the system that the names are of.
+    of: &'static [&'static str],
     indices: [usize; K],
     held: [(&'static str, f64); K],
 }
@@ -65,7 +67,7 @@ impl<const N: usize, const K: usize> Locks<N, K> {
             }
             indices[k] = index;
         }
-        Ok(Locks { indices, held })
+        Ok(Locks { of: Sys::FACTS.coordinates, indices, held })
     }
 
     /// The names and places.
@@ -74,7 +76,12 @@ impl<const N: usize, const K: usize> Locks<N, K> {
     }
 
     /// The system in which each of these coordinates has a weight: 1 where it is free, 0 where it is locked.
-    pub fn of<Sys: System<N>>(&self, system: Sys, weights: [Sys::Scalar; K]) -> Locked<Sys, N, K> {
+    ///
+    /// # Panics
+    /// If its coordinates are not those of the system that the locks are of.
+    pub fn of<Sys: Independent<N>>(&self, system: Sys, weights: [Sys::Scalar; K]) -> Locked<Sys, N, K> {
+        let own = Sys::FACTS.coordinates;
+        assert!(own == self.of, "locks of the coordinates {:?} are none of {own:?}", self.of);
         let places = self.held.map(|(_, place)| Sys::Scalar::from_f64(place));
         Locked { system, indices: self.indices, places, weights }
     }

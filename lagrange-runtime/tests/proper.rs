@@ -408,6 +408,15 @@ lagrangian! {
     }
 }
 
+lagrangian! {
+    /// As many coordinates as `Spatial`, of other names.
+    system Other {
+        coord x, y, z, w;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2) + dot(z).powi(2) + dot(w).powi(2));
+        V = 0;
+    }
+}
+
 #[test]
 fn what_cannot_be_locked_is_refused() {
     let of = |held: [(&'static str, f64); 2]| {
@@ -416,6 +425,9 @@ fn what_cannot_be_locked_is_refused() {
     assert!(of([("theta1", 0.0), ("theta3", 0.0)]).contains("`theta3` is no coordinate"));
     assert!(of([("theta1", 0.0), ("theta1", 0.0)]).contains("locked twice"));
     let of_rotation = <Turning as Lagrangian<3>>::FACTS.coordinates[2];
+    let of_another =
+        || Locks::<4, 1>::new::<Spatial>([("phi1", 0.0)]).expect("a coordinate").of(Other::new(), [0.0]);
+    assert!(std::panic::catch_unwind(of_another).is_err(), "locks of another system");
     for place in [f64::NAN, f64::INFINITY] {
         let refused = Locks::<4, 1>::new::<Spatial>([("phi1", place)]).expect_err("refused").to_string();
         assert_eq!(refused, "`phi1` is locked at no finite place; help: give one, in its units");

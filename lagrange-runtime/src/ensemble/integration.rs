@@ -13,14 +13,17 @@ pub struct Candidate<'a, D, const O: usize> {
     name: String,
     evaluate: Evaluate<'a, D, O>,
     unit_cost: f64,
+    /// If it cannot be evaluated, or has no cost.
+    checked: Result<(), String>,
 }
 
 impl<'a, D: 'a, const O: usize> Candidate<'a, D, O> {
     /// A model of the same draws and weights as that of the study, by another method or tolerance, or over the smaller
     /// system that the statement made, with its [cost](super::Simulation::cost).
     pub fn new(name: impl Into<String>, model: impl Model<D, Output = [f64; O]> + 'a) -> Self {
-        let unit_cost = model.unit_cost();
-        Candidate { name: name.into(), evaluate: Box::new(move |draws| evaluated(&model, draws)), unit_cost }
+        let (unit_cost, checked) = (model.unit_cost(), model.check());
+        let evaluate = Box::new(move |draws| evaluated(&model, draws));
+        Candidate { name: name.into(), evaluate, unit_cost, checked }
     }
 }
 
@@ -101,7 +104,8 @@ where
     /// so that they are the same on each machine.
     ///
     /// # Errors
-    /// Those of [`run`](Self::run); if the share is not between 0 and 1, or the study's model fails with these weights.
+    /// Those of [`run`](Self::run); if the share is not between 0 and 1, a candidate has no positive cost, the proper
+    /// model is of other errors allowed, or the study's model fails with these weights.
     ///
     /// ```
     /// use lagrange_runtime::Gradient;
@@ -146,6 +150,17 @@ where
             return Err(EnsembleError::Refused(format!(
                 "the share of the errors allowed that integration may take is between 0 and 1, but here is {share:?}; help: a third, 1.0 / 3.0"
             )));
+        }
+        if found.allowed != self.allowed {
+            return Err(EnsembleError::Refused(format!(
+                "the proper model is of another scene, whose errors allowed are {:?}, not {:?}; help: give that of this scene's `run`",
+                found.allowed, self.allowed
+            )));
+        }
+        for Candidate { name, checked, .. } in candidates {
+            checked
+                .clone()
+                .map_err(|cause| EnsembleError::Refused(format!("the candidate {name:?}: {cause}")))?;
         }
         let [full, reference] = self.references(found.weights())?;
         let of = |candidate: &Candidate<'_, (Src::Draw, [f64; K]), O>| {

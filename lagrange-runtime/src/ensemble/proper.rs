@@ -59,7 +59,7 @@ pub struct Proper<'p, Src, E, M, const K: usize, const O: usize> {
     source: Src,
     samples: u64,
     moves: [Move; K],
-    allowed: [f64; O],
+    pub(super) allowed: [f64; O],
     effects: E,
     model: M,
     worth: [f64; K],
@@ -88,7 +88,8 @@ impl<Src: fmt::Debug, E: fmt::Debug, M: fmt::Debug, const K: usize, const O: usi
 pub enum Move {
     /// `neglect air`: a parameter, or a weight, is nothing.
     Neglect(&'static str),
-    /// `lock phi = 0`: a coordinate is held there. [`Locks`](crate::traits::Locks) give it a weight.
+    /// `lock phi = 0`: a coordinate is held there. [`Locks`](crate::traits::Locks) give it a weight, and hold it where
+    /// they say, which has to be the same place.
     Lock(&'static str, f64),
 }
 
@@ -250,6 +251,12 @@ where
         if K == 0 || O == 0 {
             return Err(EnsembleError::Refused(format!(
                 "a scene has moves and outputs, but here are {K} moves and {O} outputs"
+            )));
+        }
+        let is_nowhere = |of: &&Move| matches!(of, Move::Lock(_, place) if !place.is_finite());
+        if let Some(bad) = self.moves.iter().find(is_nowhere) {
+            return Err(EnsembleError::Refused(format!(
+                "`{bad}` names no place; help: that of the study's locks"
             )));
         }
         let is_positive = |number: &&f64| **number > 0.0 && number.is_finite();
