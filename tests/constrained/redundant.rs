@@ -131,6 +131,24 @@ fn conditions_that_rounding_contradicts_are_run() {
     run! { Planes::new() Led::default() }
 }
 
+/// A gradient that falls from e²⁰ to 40 on the way to the constraint does not vanish on it, as that of a square does.
+#[test]
+fn a_steep_constraint_is_none_that_vanishes() {
+    lagrangian! {
+        system Steep {
+            param g = 2;
+            coord x, y;
+            T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+            V = 2 * g * y;
+            constraint steep: exp(40 * (x - y)) == 1;
+        }
+    }
+    let start = State::new(0.0, [0.5, 0.5], [0.0; 2]);
+    let steep = Steep::default();
+    let run = integrate(&steep, Dop853, PiController::tolerance(1e-10), start);
+    assert!((run.until(1.0).final_state().unwrap().q - SVector::from([-0.5, -0.5])).amax() < 1e-10);
+}
+
 /// `λ₁ + 2 λ₂ = 1` and `λ₁ + λ₂ = 1` with the least squares; half of the weight each.
 #[test]
 fn multipliers_are_those_of_least_norm_from_every_guess() {

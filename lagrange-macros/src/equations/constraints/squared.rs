@@ -5,11 +5,13 @@ use crate::graph::{Graph, Symbol, Value};
 
 /// Starts from which positions are looked for on which the constraint holds, and Newton's steps towards them.
 const STARTS: u64 = 3;
-const STEPS: usize = 40;
-/// Violation, relative to the gradient and `1 + |q|`, at which a position is one of the constraint.
+const STEPS: usize = 100;
+/// Violation, relative to the gradient and `1 + |q|`, at which a position is one of the constraint: towards a double
+/// root it halves with each step.
 const HELD: f64 = 1e-10;
-/// Length of a gradient, relative to that at the start, that vanishes: towards a double root it halves at each step.
+/// Length of a gradient that vanishes, relative to that at this distance, relative to `1 + |q|`.
 const VANISHED: f64 = 1e-5;
+const ASIDE: f64 = 1e-3;
 
 /// Does the gradient vanish at all positions on the constraint that are found?
 pub fn check(g: &Graph, value: Value, row: &[Value]) -> bool {
@@ -22,28 +24,25 @@ pub fn check(g: &Graph, value: Value, row: &[Value]) -> bool {
 /// That of the position to which Newton's method leads from a start, if it leads to one.
 fn vanishes(g: &Graph, all: &[Value], trial: u64) -> Option<bool> {
     let n = all.len() - 1;
-    let mut q: Vec<f64> = (0..n).map(|i| sample(Symbol::Coordinate(i), trial, 0) - 0.4).collect();
-    let mut first = None;
-    for _ in 0..STEPS {
+    let at = |q: &[f64]| {
         let values = g.evaluate(all, |s| match s {
             Symbol::Coordinate(i) => q[i],
             other => sample(other, trial, 0),
         });
-        let (f, a) = (values[0], &values[1..]);
-        let square: f64 = a.iter().map(|a| a * a).sum();
-        let size = square.sqrt();
-        if !(f.is_finite() && size.is_finite()) {
-            return None;
+        let square = values[1..].iter().map(|a| a * a).sum::<f64>();
+        (square.is_finite() && values[0].is_finite()).then_some((values, square))
+    };
+    let mut q: Vec<f64> = (0..n).map(|i| sample(Symbol::Coordinate(i), trial, 0) - 0.4).collect();
+    for _ in 0..STEPS {
+        let (values, square) = at(&q)?;
+        let (f, a, size) = (values[0], &values[1..], square.sqrt());
+        let length = 1.0 + q.iter().map(|q| q * q).sum::<f64>().sqrt();
+        let moved = |by: f64| -> Vec<f64> { q.iter().zip(a).map(|(q, a)| q + by * a).collect() };
+        if f.abs() <= HELD * size * length {
+            let aside = at(&moved(ASIDE * length / size))?.1.sqrt();
+            return Some(size <= VANISHED * aside);
         }
-        let start = *first.get_or_insert(size);
-        if size <= VANISHED * start {
-            return Some(true);
-        }
-        let length = q.iter().map(|q| q * q).sum::<f64>().sqrt();
-        if f.abs() <= HELD * size * size / start * (1.0 + length) {
-            return Some(false);
-        }
-        q.iter_mut().zip(a).for_each(|(q, a)| *q -= f * a / square);
+        q = moved(-f / square);
     }
     None
 }
