@@ -255,6 +255,18 @@ fn integration_may_take_its_share() {
         let refused = scene.integrations(&small, &candidates, share).expect_err("no share").to_string();
         assert!(refused.contains("between 0 and 1"), "{refused}");
     }
+    for cost in [-1.0, 0.0, f64::NAN, f64::INFINITY] {
+        let candidates = [Candidate::new("free", by(0.0).cost(cost))];
+        let refused = scene.integrations(&small, &candidates, 0.5).expect_err("no cost").to_string();
+        assert!(refused.contains("\"free\"") && refused.contains("positive and finite"), "{refused}");
+    }
+    let tight = Proper::new(Sobol::<1>::seed(1), SAMPLES, ["w"], [0.5], effects, by(0.0));
+    let refused = tight.integrations(&small, &candidates, 0.5).expect_err("of another scene").to_string();
+    assert!(refused.contains("another scene"), "{refused}");
+    let nowhere = [Move::Lock("q", f64::NAN)];
+    let nowhere = Proper::new(Sobol::<1>::seed(1), SAMPLES, nowhere, [1.0], effects, by(0.0));
+    let refused = nowhere.run().expect_err("no place").to_string();
+    assert!(refused.contains("`lock q = NaN` names no place"), "{refused}");
 }
 
 lagrangian! {
