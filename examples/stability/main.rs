@@ -114,7 +114,8 @@ fn map(rows: &[Row]) -> Map {
         )
         .legend(
             "∞: the run went on through a singularity beyond which there is no solution. Kapitza pendulum: 0e0 is the \
-             right verdict, 1e0 the wrong one. Runs may attempt 100 000 steps (BudgetUsedUp).",
+             right verdict, 1e0 the wrong one. Runs may attempt 100 000 steps (BudgetUsedUp). Twelve parallelograms and \
+             the scissors lifts are run by four methods.",
         );
     for row in rows {
         let cells = METHODS.map(|method| {

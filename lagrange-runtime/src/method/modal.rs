@@ -41,10 +41,11 @@ const PADE: [f64; 14] = [
 const THETA: f64 = 5.371920351148152;
 const SMALL_THETA: f64 = 1.25;
 
-/// Radians and decays in a step from which its rounding is looked at, and the part of the largest entry of the
-/// propagator that may be rounding.
+/// Radians and decays in a step from which its rounding is looked at, the part of the largest entry of the propagator
+/// that may be rounding, and the size of this below which all has decayed.
 const LONG: f64 = 1e4;
 const LOST: f64 = 1e-4;
+const DECAYED: f64 = 1e-6;
 
 /// Exact propagation of a [`Linear`] and [`Autonomous`] system, `M q̈ + C q̇ + K q = f` with constant M, C, K and f:
 /// any step is exact to rounding (of the order of ε times the number of radians in it), and so is the interpolant. A
@@ -240,7 +241,11 @@ impl<S: Real, const N: usize> Generator<S, N> {
             scale *= 0.5;
         }
         let two = S::from_f64(2.0);
-        // D = E − 1 and φ of a step of size `part` times 2 to the power of the squarings.
+        let most = |of: &dyn Fn(usize, usize) -> S| {
+            let entries = (0..2 * N).flat_map(|i| (0..2 * N).map(move |j| (i, j)));
+            entries.map(|(i, j)| Functions::abs(of(i, j).to_f64())).fold(0.0, f64::max)
+        };
+        // E and φ of a step of size `part` times 2 to the power of the squarings.
         let power = |part: S| {
             let a = Blocks {
                 rows: [
@@ -250,31 +255,35 @@ impl<S: Real, const N: usize> Generator<S, N> {
             };
             let b = [constant(S::zero()), self.f * (down * part)];
             let (mut less, mut phi) = pade(&a, &b);
+            let mut e = less.plus(&identity);
+            let mut decayed = false;
             for _ in 0..squarings {
-                // (E, φ; 0, 1)², in D: beside 1 a slow decay of an overdamped system would be rounding.
-                let moved = less.apply(&phi);
-                phi = [phi[0] * two + moved[0], phi[1] * two + moved[1]];
-                less = less.scaled(two).plus(&less.times(&less));
+                // (E, φ; 0, 1)². As D = E − 1 until all has decayed: beside 1 a slow decay would be rounding.
+                if decayed {
+                    let moved = e.apply(&phi);
+                    phi = [phi[0] + moved[0], phi[1] + moved[1]];
+                    e = e.times(&e);
+                } else {
+                    let moved = less.apply(&phi);
+                    phi = [phi[0] * two + moved[0], phi[1] * two + moved[1]];
+                    less = less.scaled(two).plus(&less.times(&less));
+                    e = less.plus(&identity);
+                    decayed = most(&|i, j| e.at(i, j)) < 0.5;
+                }
             }
-            (less, phi)
+            (e, phi)
         };
         let part = h * S::from_f64(scale);
-        let (mut less, phi) = power(part);
+        let (mut e, phi) = power(part);
         if size > LONG {
             // The same in three steps has other roundings.
             let third = power(part / S::from_f64(3.0)).0;
-            let twice = third.scaled(two).plus(&third.times(&third));
-            let again = twice.plus(&third).plus(&third.times(&twice));
-            let entries = || (0..2 * N).flat_map(|i| (0..2 * N).map(move |j| (i, j)));
-            let most = |of: &dyn Fn(usize, usize) -> S| {
-                entries().map(|(i, j)| Functions::abs(of(i, j).to_f64())).fold(0.0, f64::max)
-            };
-            let off = most(&|i, j| less.at(i, j) - again.at(i, j));
-            if off > LOST * most(&|i, j| less.at(i, j) + identity.at(i, j)) {
-                less = identity.scaled(S::from_f64(f64::NAN));
+            let again = third.times(&third).times(&third);
+            if most(&|i, j| e.at(i, j) - again.at(i, j)) > LOST * most(&|i, j| e.at(i, j)).max(DECAYED) {
+                e = identity.scaled(S::from_f64(f64::NAN));
             }
         }
-        let [[qq, qv], [vq, vv]] = less.plus(&identity).rows;
+        let [[qq, qv], [vq, vv]] = e.rows;
         let e = Blocks { rows: [[qq, qv * down], [vq * up, vv]] };
         Propagator { generator: *self, h, e, phi: Tangent { q: phi[0], qd: phi[1] * up } }
     }

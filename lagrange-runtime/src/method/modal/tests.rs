@@ -101,6 +101,33 @@ fn slow_decays_of_overdamped_systems_are_kept() {
     }
 }
 
+/// All has decayed: to `exp(−50)` with its digits, and to nothing in a step of 1e6 decays.
+#[test]
+fn what_has_decayed_keeps_its_digits() {
+    for [omega, delta, t] in [[1.0, 0.5, 100.0], [3.0, 5.0, 50.0], [2.0, 0.1, 500.0], [1.0, 1e3, 1e5]] {
+        let system = Hung::new(1.0, omega * omega, 2.0 * delta, 0.0);
+        let start = State::new(0.0, [1.0], [0.5]);
+        let end =
+            integrate(&system, MatrixExponential, FixedStep::new(t), start).until(t).final_state().unwrap();
+        // (The hyperbolic functions of the closed form overflow: the slow decay alone.)
+        let square: f64 = delta * delta - omega * omega;
+        let exact = if square > 0.0 {
+            let nu = square.sqrt();
+            let slow = -omega * omega / (delta + nu);
+            0.5 * (1.0 + (0.5 + delta) / nu) * (slow * t).exp()
+        } else {
+            damped(omega, delta, 0.0, 1.0, 0.5, t).q[0]
+        };
+        let size = exact.abs().max((-delta * t).exp());
+        assert!((end.q[0] - exact).abs() < 1e-11 * size, "{omega} {delta} {t}: {} {exact}", end.q[0]);
+    }
+    let system = Hung::new(1.0, 1.0, 1.0, 0.0);
+    let start = State::new(0.0, [1.0], [0.5]);
+    let end =
+        integrate(&system, MatrixExponential, FixedStep::new(1e6), start).until(1e6).final_state().unwrap();
+    assert_eq!([end.q[0], end.qd[0]], [0.0; 2]);
+}
+
 lagrangian! {
     /// Two masses, tied by a damper and a spring.
     system Tied {
