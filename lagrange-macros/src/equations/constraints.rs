@@ -94,16 +94,17 @@ pub fn rows(g: &mut Graph, model: &Model, values: &[Value], errors: &mut Errors)
     let mut rows = Rows::default();
     let mut sound = true;
     for (constraint, &value) in constraints.iter().zip(values) {
+        let mut refused = |cause: &str| {
+            errors.push(&constraint.written, cause.replace("{}", &constraint.label()));
+            sound = false;
+        };
         let slopes = g.gradient(value, &velocities);
         let on_velocities = !independent(g, &[value], is_velocity);
         let unsloped = slopes.iter().all(|v| g.vanishes(*v));
         if on_velocities && (unsloped || !independent(g, &slopes, is_velocity)) {
-            let message = format!(
+            refused(
                 "the constraint `{}` is not linear in the velocities\nhelp: a constraint on velocities is of the form `a * dot(x) + b * dot(y) + c == 0`, with coefficients of positions and time",
-                constraint.label()
             );
-            errors.push(&constraint.written, message);
-            sound = false;
             continue;
         }
         let still =
@@ -116,21 +117,15 @@ pub fn rows(g: &mut Graph, model: &Model, values: &[Value], errors: &mut Errors)
             (ConstraintKind::Holonomic, value, rate, g.gradient(value, &coordinates))
         };
         if row.iter().all(|a| g.vanishes(*a)) {
-            let message = format!(
+            refused(
                 "the constraint `{}` does not depend on any coordinate\nhelp: a relation between parameters is `let`; a given motion is `coord name = f(t);`",
-                constraint.label()
             );
-            errors.push(&constraint.written, message);
-            sound = false;
             continue;
         }
         if kind == ConstraintKind::Holonomic && squared::check(g, value, &row) {
-            let message = format!(
+            refused(
                 "the gradient of the constraint `{}` vanishes wherever it holds, as that of a square does: it exerts no force\nhelp: write what is squared, `… == 0`, and for a sum of squares a constraint for each",
-                constraint.label()
             );
-            errors.push(&constraint.written, message);
-            sound = false;
             continue;
         }
         let drift = g.forward(&[rate], in_time(&qd))[0];

@@ -245,7 +245,7 @@ impl<S: Real, const N: usize> Nodes<S, N> {
 /// polynomial leave of 1.
 const POLE: f64 = 1e-10;
 
-/// Change of a force by a distance, in units of both, that is none of place alone.
+/// Relative change of a force by a distance that tells nothing of its place: a state may be so far beside its branch.
 const STEEP: f64 = 10.0;
 
 /// Distance between a state and those beside it that show how long gradients are elsewhere.
@@ -589,7 +589,7 @@ impl<Sys: Constrained<N, M>, const N: usize, const M: usize> RealCase<Sys::Scala
             return self.any();
         }
         let of = |nodes: Nodes<Sys::Scalar, N>, smooth: f64| {
-            // What constraints take leaves roundings of what it would do without them.
+            // Roundings are those of the change that there would be without constraints.
             let inertia = system.inertia(&at.q, &at.qd, at.t);
             let free = (0..N).map(|i| (impulse[i] / inertia[(i, i)]).to_f64().abs());
             let rounding = smooth * free.filter(|x| x.is_finite()).fold(0.0, f64::max);

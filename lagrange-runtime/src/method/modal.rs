@@ -241,10 +241,6 @@ impl<S: Real, const N: usize> Generator<S, N> {
             scale *= 0.5;
         }
         let two = S::from_f64(2.0);
-        let most = |of: &dyn Fn(usize, usize) -> S| {
-            let entries = (0..2 * N).flat_map(|i| (0..2 * N).map(move |j| (i, j)));
-            entries.map(|(i, j)| Functions::abs(of(i, j).to_f64())).fold(0.0, f64::max)
-        };
         // E and φ of a step of size `part` times 2 to the power of the squarings.
         let power = |part: S| {
             let a = Blocks {
@@ -268,7 +264,7 @@ impl<S: Real, const N: usize> Generator<S, N> {
                     phi = [phi[0] * two + moved[0], phi[1] * two + moved[1]];
                     less = less.scaled(two).plus(&less.times(&less));
                     e = less.plus(&identity);
-                    decayed = most(&|i, j| e.at(i, j)) < 0.5;
+                    decayed = e.largest() < 0.5;
                 }
             }
             (e, phi)
@@ -279,7 +275,8 @@ impl<S: Real, const N: usize> Generator<S, N> {
             // The same in three steps has other roundings.
             let third = power(part / S::from_f64(3.0)).0;
             let again = third.times(&third).times(&third);
-            if most(&|i, j| e.at(i, j) - again.at(i, j)) > LOST * most(&|i, j| e.at(i, j)).max(DECAYED) {
+            let off = again.scaled(-S::one()).plus(&e).largest();
+            if off > LOST * e.largest().max(DECAYED) {
                 e = identity.scaled(S::from_f64(f64::NAN));
             }
         }
@@ -483,6 +480,14 @@ impl<S: Scalar, const N: usize> Blocks<S, N> {
     #[inline(always)]
     fn apply(&self, x: &[SVector<S, N>; 2]) -> [SVector<S, N>; 2] {
         self.rows.map(|[a, b]| product(&a, &x[0]) + product(&b, &x[1]))
+    }
+}
+
+impl<S: Real, const N: usize> Blocks<S, N> {
+    /// Size of the largest entry.
+    fn largest(&self) -> f64 {
+        let entries = self.rows.iter().flatten().flat_map(|block| block.iter());
+        entries.map(|x| Functions::abs(x.to_f64())).fold(0.0, f64::max)
     }
 }
 
