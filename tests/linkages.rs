@@ -15,6 +15,8 @@ mod positions;
 mod regular;
 #[path = "linkages/stiffness.rs"]
 mod stiffness;
+#[path = "linkages/stops.rs"]
+mod stops;
 #[path = "linkages/systems.rs"]
 mod systems;
 

@@ -16,7 +16,7 @@ mod dependence;
 mod least_norm;
 mod slopes;
 
-pub(crate) use across::{NEARLY_DEPENDENT, struck};
+pub(crate) use across::{CLOSE, NEARLY_DEPENDENT, struck};
 pub use across::{accel_across, begun_across, motion, restored_across};
 pub use branches::{Branches, branches, determined};
 pub use dependence::{explained, independence, resolved};

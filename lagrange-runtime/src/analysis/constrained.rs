@@ -40,6 +40,9 @@ const RESTING: &str = "constraints that admit rest, and one on velocities moves 
 /// constraints are dependent is approached linearly.
 pub(super) const SINGULAR: f64 = 1e-2;
 
+/// Largest violation of a constraint at which Newton's method may end near such a position.
+const BESIDE: f64 = 1e-6;
+
 /// Distance of a state that shows how long gradients are elsewhere, relative to `1 + |q|`.
 const FAR: f64 = 0.2;
 
@@ -54,7 +57,7 @@ const MOST_CORRECTIONS: usize = 50;
 const IDLE: f64 = 1e-10;
 
 /// The constraints at a state that is on them, and at which they are independent.
-fn held<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
+pub(super) fn held<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     at: &State<f64, N>,
 ) -> Result<Vec<Held>, AnalysisError> {
@@ -342,10 +345,16 @@ pub(super) fn balanced(
             let held = whole(&reached.into_inner())?.held;
             return Err(nearly_dependent(&held, &at_guess, weights, SINGULAR).unwrap_or(error));
         }
-        // What is left is a violation of a constraint that no displacement changes.
+        // What is left is a violation of a constraint that no displacement changes, or, if gradients are nearly dependent
+        // on the way, little more than rounding.
         Err(AnalysisError::Unbalanced { force, coordinate }) if coordinate.index >= n => {
-            let constraint = all[coordinate.index - n].of.name;
-            return Err(AnalysisError::OffConstraints { constraint, violation: force / unit });
+            let (constraint, violation) = (all[coordinate.index - n].of.name, force / unit);
+            if violation > BESIDE {
+                return Err(AnalysisError::OffConstraints { constraint, violation });
+            }
+            let held = whole(&reached.into_inner())?.held;
+            let ended = AnalysisError::NotConverged { what, residual: force };
+            return Err(nearly_dependent(&held, &at_guess, weights, SINGULAR).unwrap_or(ended));
         }
         other => other?,
     };

@@ -116,6 +116,9 @@ impl StateSpace {
     {
         let Jacobian { q, qd, .. } = system.jacobian(&at.q, &at.qd, at.t);
         let (basis, states) = admissible(system, at)?;
+        if !Sys::FACTS.constraints.is_empty() {
+            held(system, at)?;
+        }
         if !q.iter().chain(&qd).all(|x| x.is_finite()) {
             return Err(AnalysisError::NotFinite);
         }

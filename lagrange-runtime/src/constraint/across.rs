@@ -14,7 +14,7 @@ use nalgebra::{SMatrix, SVector};
 
 /// Square of the sine below which accelerations are interpolated: at 0.02 rad they have lost half of their digits,
 /// and the nodes on both sides are so near that polynomials of degree 11 have more.
-const CLOSE: f64 = 5e-4;
+pub const CLOSE: f64 = 5e-4;
 
 /// Square of the sine below which steps are made across, and a state aside shows how long gradients are.
 pub const NEARLY_DEPENDENT: f64 = 0.05;

@@ -4,7 +4,7 @@
 use super::memories::DoubleBuffer;
 use super::rules::{self, ends_early};
 use super::switches::{Approach, Interpolated, Passage, landed_on};
-use crate::constraint::NEARLY_DEPENDENT;
+use crate::constraint::{CLOSE, NEARLY_DEPENDENT};
 use crate::controller::{Controller, FirstStep, Verdict};
 use crate::failed::{Failed, Statistics};
 use crate::failure::Failure;
@@ -174,6 +174,12 @@ where
         system: &Sys,
         at: State<Sys::Scalar, N>,
     ) -> Result<State<Sys::Scalar, N>, Failure<Sys::Scalar>> {
+        // (A tolerance alone does not tell: steps of one size have none.)
+        if Self::DEPENDENT
+            && let Some(state) = system.restored_across(&self.reference, &at, Sys::Scalar::zero())
+        {
+            return Ok(state);
+        }
         let found = match system.restored(&at) {
             Ok(None) => return Ok(at),
             Ok(Some(Restored { state, .. })) => Ok(state),
@@ -183,10 +189,15 @@ where
         if !Self::DEPENDENT || found.as_ref().is_ok_and(is_near) {
             return found;
         }
-        let zero = Sys::Scalar::zero();
-        let across = || system.restored_across(&self.reference, &at, zero).ok_or(());
         let left = || (system.independence(&self.reference, &at) < NEARLY_DEPENDENT).then_some(at).ok_or(());
-        across().or_else(|()| left()).or(found)
+        left().or(found)
+    }
+
+    /// Returns whether a state is so near to one at which constraints are dependent that a projection loses its digits.
+    #[cold]
+    #[inline(never)]
+    fn is_close(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> bool {
+        system.independence(&self.reference, at) < CLOSE
     }
 
     /// Returns whether the run goes forward in time.
@@ -387,7 +398,7 @@ where
         h: Sys::Scalar,
     ) -> Result<(Step<Sys, M, N>, M::MethodState), Failure<Sys::Scalar>> {
         let mut beside = attempt_beside(system, &self.method, &self.controller, memory, from, h);
-        if Self::DEPENDENT && beside.is_err() {
+        if Self::DEPENDENT && beside.as_ref().map_or(true, |(step, _)| self.is_close(system, &step.to)) {
             beside = self.attempt_across_from(system, from, h).or(beside);
         }
         let beside = beside?;
@@ -605,7 +616,11 @@ where
         let next = rules::next_time(self.count, self.total, self.h, self.origin, self.end);
         let h = if self.stopped { next - self.state.t } else { self.h };
         let mut next_memory = self.memory.as_ref().map(DoubleBuffer::variable);
-        let mut step = self.attempt(system, h, &mut next_memory)?;
+        let mut attempted = self.attempt(system, h, &mut next_memory);
+        if Self::DEPENDENT && attempted.is_err() && self.sets_out_across(system, h)? {
+            attempted = self.attempt(system, h, &mut next_memory);
+        }
+        let mut step = attempted?;
         // A step that ends at a switch is followed by what is left of it.
         self.stopped = ends_early(&step, h);
         if !self.stopped {

@@ -41,8 +41,9 @@ const PADE: [f64; 14] = [
 const THETA: f64 = 5.371920351148152;
 const SMALL_THETA: f64 = 1.25;
 
-/// Radians and decays in a step from which its rounding is looked at, the part of the largest entry of the propagator
-/// that may be rounding, and the size of this below which all has decayed.
+/// Radians and decays in a step from which its rounding is looked at, the part of the largest entry of a column of the
+/// propagator that may be rounding, and the size of this below which all has decayed. Rounding damps, too: a decay counts
+/// only in a step so short that its radians and decays times ε are no more than that part.
 const LONG: f64 = 1e4;
 const LOST: f64 = 1e-4;
 const DECAYED: f64 = 1e-6;
@@ -241,7 +242,8 @@ impl<S: Real, const N: usize> Generator<S, N> {
             scale *= 0.5;
         }
         let two = S::from_f64(2.0);
-        // E and φ of a step of size `part` times 2 to the power of the squarings.
+        // E and φ of a step of size `part` times 2 to the power of the squarings, and which columns of E decay by more
+        // than rounding.
         let power = |part: S| {
             let a = Blocks {
                 rows: [
@@ -252,7 +254,8 @@ impl<S: Real, const N: usize> Generator<S, N> {
             let b = [constant(S::zero()), self.f * (down * part)];
             let (mut less, mut phi) = pade(&a, &b);
             let mut e = less.plus(&identity);
-            let mut decayed = false;
+            let (mut decayed, mut settled) = (false, [[false; N]; 2]);
+            let mut rounding = S::EPSILON * size * scale;
             for _ in 0..squarings {
                 // (E, φ; 0, 1)². As D = E − 1 until all has decayed: beside 1 a slow decay would be rounding.
                 if decayed {
@@ -264,19 +267,28 @@ impl<S: Real, const N: usize> Generator<S, N> {
                     phi = [phi[0] * two + moved[0], phi[1] * two + moved[1]];
                     less = less.scaled(two).plus(&less.times(&less));
                     e = less.plus(&identity);
-                    decayed = e.largest() < 0.5;
+                    decayed = e.largest().into_iter().flatten().all(|column| column < 0.5);
+                }
+                rounding *= 2.0;
+                if size > LONG && rounding < LOST {
+                    settled = e.largest().map(|columns| columns.map(|largest| largest < DECAYED));
                 }
             }
-            (e, phi)
+            (e, phi, settled)
         };
         let part = h * S::from_f64(scale);
-        let (mut e, phi) = power(part);
+        let (mut e, phi, settled) = power(part);
         if size > LONG {
             // The same in three steps has other roundings.
             let third = power(part / S::from_f64(3.0)).0;
             let again = third.times(&third).times(&third);
-            let off = again.scaled(-S::one()).plus(&e).largest();
-            if off > LOST * e.largest().max(DECAYED) {
+            let [off, kept, other] = [again.scaled(-S::one()).plus(&e), e, again].map(|e| e.largest());
+            // (Column by column: a long way of one coordinate says nothing about others.)
+            let is_lost = |half: usize, j: usize| {
+                let largest = kept[half][j].max(other[half][j]);
+                !settled[half][j] && !(off[half][j] <= LOST * largest && largest >= DECAYED)
+            };
+            if (0..2 * N).any(|j| is_lost(j / N, j % N)) {
                 e = identity.scaled(S::from_f64(f64::NAN));
             }
         }
@@ -484,10 +496,10 @@ impl<S: Scalar, const N: usize> Blocks<S, N> {
 }
 
 impl<S: Real, const N: usize> Blocks<S, N> {
-    /// Size of the largest entry.
-    fn largest(&self) -> f64 {
-        let entries = self.rows.iter().flatten().flat_map(|block| block.iter());
-        entries.map(|x| Functions::abs(x.to_f64())).fold(0.0, f64::max)
+    /// Size of the largest entry of each column.
+    fn largest(&self) -> [[f64; N]; 2] {
+        let column = |j: usize| (0..2 * N).map(move |i| Functions::abs(self.at(i, j).to_f64()));
+        [0, N].map(|first| core::array::from_fn(|j| column(first + j).fold(0.0, f64::max)))
     }
 }
 

@@ -107,51 +107,81 @@ fn first_dependent(g: &Graph, rows: &Rows, trial: u64) -> Option<Option<(usize, 
     Some(None)
 }
 
-/// Does the last constraint hold where the others do? `None` where no such state is found.
+/// Does the last constraint hold where the others do? `None` where no such state is found, or it holds at some of them:
+/// x = 0 beside sin x = 0.
 fn holds(g: &Graph, rows: &Rows, others: &[usize], last: usize, trial: u64) -> Option<bool> {
     let n = rows.jacobian[last].len();
-    let at = |values: &[Value], q: &[f64], qd: &[f64]| {
-        g.evaluate(values, |s| match s {
-            Symbol::Coordinate(i) => q[i],
-            Symbol::Velocity(i) => qd[i],
-            other => sample(other, trial, 0),
-        })
-    };
-    let still = vec![0.0; n];
-    // Residuals of some constraints, with their rows.
-    let left = |values: &[Value], of: &[usize], q: &[f64], qd: &[f64]| {
-        let values: Vec<Value> = of.iter().map(|k| values[*k]).collect();
-        let matrix: Vec<Vec<f64>> = of.iter().map(|k| at(&rows.jacobian[*k], q, &still)).collect();
-        (at(&values, q, qd), matrix)
-    };
+    let near = Samples { g, rows, trial };
     let start =
         |symbol: fn(usize) -> Symbol| (0..n).map(|i| sample(symbol(i), trial, 0)).collect::<Vec<f64>>();
-    let (mut q, mut qd) = (start(Symbol::Coordinate), start(Symbol::Velocity));
-    let vanishes = |values: &[Value], q: &[f64], qd: &[f64]| {
-        let (value, matrix) = left(values, &[last], q, qd);
-        let size = length(&matrix[0]) * (1.0 + length(q) + length(qd));
-        value[0].abs() <= 1e-6 * size
-    };
-    let on_positions = |k: &usize| rows.kinds[*k] == ConstraintKind::Holonomic;
-    let places: Vec<usize> = others.iter().copied().filter(on_positions).collect();
-    for step in 0.. {
-        let (values, matrix) = left(&rows.values, &places, &q, &still);
-        let change = shortest(&matrix, &values)?;
-        q.iter_mut().zip(&change).for_each(|(q, change)| *q -= change);
-        if length(&change) <= 1e-12 * (1.0 + length(&q)) {
-            break;
-        }
-        if step == STEPS {
-            return None;
-        }
+    let (q, qd) = (start(Symbol::Coordinate), start(Symbol::Velocity));
+    let anywhere = near.holds(others, last, q.clone(), qd.clone())?;
+    if anywhere {
+        return Some(true);
     }
-    if on_positions(&last) && places.len() == others.len() && !vanishes(&rows.values, &q, &still) {
-        return Some(false);
+    // Where it holds itself, and near there.
+    let of_last = near.placed(&[last], q).and_then(|q| near.holds(others, last, q, qd));
+    if of_last == Some(true) { None } else { Some(false) }
+}
+
+/// Constraints at numbers for parameters and time.
+struct Samples<'a> {
+    g: &'a Graph,
+    rows: &'a Rows,
+    trial: u64,
+}
+
+impl Samples<'_> {
+    /// Residuals of some constraints, with their rows.
+    fn left(&self, values: &[Value], of: &[usize], q: &[f64], qd: &[f64]) -> (Vec<f64>, Vec<Vec<f64>>) {
+        let at = |values: &[Value], qd: &[f64]| {
+            self.g.evaluate(values, |s| match s {
+                Symbol::Coordinate(i) => q[i],
+                Symbol::Velocity(i) => qd[i],
+                other => sample(other, self.trial, 0),
+            })
+        };
+        let still = vec![0.0; q.len()];
+        let values: Vec<Value> = of.iter().map(|k| values[*k]).collect();
+        (at(&values, qd), of.iter().map(|k| at(&self.rows.jacobian[*k], &still)).collect())
     }
-    let (rates, matrix) = left(&rows.rates, others, &q, &qd);
-    let change = shortest(&matrix, &rates)?;
-    qd.iter_mut().zip(&change).for_each(|(qd, change)| *qd -= change);
-    Some(vanishes(&rows.rates, &q, &qd))
+
+    fn on_positions(&self, k: usize) -> bool {
+        self.rows.kinds[k] == ConstraintKind::Holonomic
+    }
+
+    /// Coordinates near `q` at which those of some constraints vanish that are on positions.
+    fn placed(&self, of: &[usize], mut q: Vec<f64>) -> Option<Vec<f64>> {
+        let places: Vec<usize> = of.iter().copied().filter(|k| self.on_positions(*k)).collect();
+        let still = vec![0.0; q.len()];
+        for _ in 0..=STEPS {
+            let (values, matrix) = self.left(&self.rows.values, &places, &q, &still);
+            let change = shortest(&matrix, &values)?;
+            q.iter_mut().zip(&change).for_each(|(q, change)| *q -= change);
+            if length(&change) <= 1e-12 * (1.0 + length(&q)) {
+                return Some(q);
+            }
+        }
+        None
+    }
+
+    /// Does the last constraint hold where the others do, near a state? `None` where no such state is found.
+    fn holds(&self, others: &[usize], last: usize, q: Vec<f64>, mut qd: Vec<f64>) -> Option<bool> {
+        let vanishes = |values: &[Value], q: &[f64], qd: &[f64]| {
+            let (value, matrix) = self.left(values, &[last], q, qd);
+            let size = length(&matrix[0]) * (1.0 + length(q) + length(qd));
+            value[0].abs() <= 1e-6 * size
+        };
+        let q = self.placed(others, q)?;
+        let all_on_positions = others.iter().chain([&last]).all(|k| self.on_positions(*k));
+        if all_on_positions && !vanishes(&self.rows.values, &q, &vec![0.0; q.len()]) {
+            return Some(false);
+        }
+        let (rates, matrix) = self.left(&self.rows.rates, others, &q, &qd);
+        let change = shortest(&matrix, &rates)?;
+        qd.iter_mut().zip(&change).for_each(|(qd, change)| *qd -= change);
+        Some(vanishes(&self.rows.rates, &q, &qd))
+    }
 }
 
 fn length(x: &[f64]) -> f64 {

@@ -165,6 +165,62 @@ fn what_rounding_makes_of_stiff_ties_is_told() {
     assert!(refused >= 3, "{refused}");
 }
 
+lagrangian! {
+    /// Two oscillators of rates r and 2 r, and a constant, whose integral grows.
+    system Beside {
+        param r;
+        coord x, y;
+        state z = 1;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = 0.5 * (r * x).powi(2) + 2 * (r * y).powi(2);
+        rate(z) = 0;
+    }
+}
+
+/// Rounding damps and drives oscillations over so many turns, whether something else grows or all seems to decay: 38 for
+/// 0.3 and 8e-33 for 0.9 were results.
+#[test]
+fn rounding_that_looks_like_a_decay_or_hides_is_told() {
+    let mut refused = 0;
+    for r in [1e2, 1e6, 1e8, 1e10, 1e11] {
+        for h in [16.0, 12345.0, 1234500.0, 123450001.0] {
+            let system = Beside::new(r);
+            let start = system.start(0.0, [1.0, 0.5], [0.0; 2]);
+            match integrate(&system, MatrixExponential, FixedStep::new(h), start).until(h).final_state() {
+                Ok(end) => {
+                    let exact = [(r * h).cos(), 0.5 * (2.0 * r * h).cos()];
+                    let error = (end.q[0] - exact[0]).abs().max((end.q[1] - exact[1]).abs());
+                    assert!(error < 1e-13 + 1e-15 * r * h, "{r:e} {h:e}: {error:e}");
+                    assert!(r * h < 1e12, "{r:e} {h:e}: {error:e}");
+                }
+                Err(failed) => {
+                    refused += 1;
+                    assert!(matches!(failed.failure, Failure::NonFinite { .. }), "{failed}");
+                    assert!(r * h > 1e11, "{r:e} {h:e}: {failed}");
+                }
+            }
+        }
+    }
+    for damper in [1e8, 1e10, 1e12, 1e14, 1e16] {
+        for h in [2.0, 1e2, 1e4, 1e6] {
+            let start = State::new(0.0, [1.0, 1.0], [0.0; 2]);
+            let system = Tied::new(1.0, 0.0, 0.0, damper);
+            match integrate(&system, MatrixExponential, FixedStep::new(h), start).until(h).final_state() {
+                Ok(end) => {
+                    let error = (end.q[0] - (h / 2f64.sqrt()).cos()).abs();
+                    assert!(error < 3e-4 + h / damper, "{damper:e} {h:e}: {error:e}");
+                }
+                Err(failed) => {
+                    refused += 1;
+                    assert!(matches!(failed.failure, Failure::NonFinite { .. }), "{failed}");
+                    assert!(damper * h > 1e11, "{damper:e} {h:e}: {failed}");
+                }
+            }
+        }
+    }
+    assert!(refused >= 10, "{refused}");
+}
+
 #[test]
 fn coupled_systems_meet_the_reference_digits() {
     let chain = TwoMassChain::new(1.2, 0.7, 3.0, 1.9);

@@ -1,0 +1,93 @@
+//! Stops in, and beside, the line of a parallelogram: the state at which a run ends there is on the branch of its motion,
+//! whatever stands between it and the line, and so is what goes on from it. The reference is the same motion in one
+//! coordinate.
+
+use super::*;
+use lagrange_runtime::{Controller, Method};
+
+lagrangian! {
+    /// A parallelogram of bars of three masses, with a spring at one crank, and a stop for the other one.
+    system Stopped {
+        param l = 0.7, base = 1.9, m1 = 1.3, m2 = 0.8, m3 = 2.1, k = 5, g = 9.81, stop = 0;
+        coord a: angle, b: angle, c: angle;
+        let x = l * cos(a) + 0.5 * base * cos(b);
+        let y = l * sin(a) + 0.5 * base * sin(b);
+        T = m1 * l.powi(2) / 6 * dot(a).powi(2) + m3 * l.powi(2) / 6 * dot(c).powi(2)
+            + 0.5 * m2 * (dot(x).powi(2) + dot(y).powi(2)) + m2 * base.powi(2) / 24 * dot(b).powi(2);
+        V = 0.5 * g * l * (m1 * sin(a) + m3 * sin(c)) + m2 * g * y + 0.5 * k * (c - 0.4).powi(2);
+        constraint closed: [l * cos(a) + base * cos(b), l * sin(a) + base * sin(b)] == [base + l * cos(c), l * sin(c)];
+        impulse tip at [l * cos(a), l * sin(a)];
+        event stopped: a - stop, falling, terminal;
+    }
+}
+
+lagrangian! {
+    /// The same by one angle.
+    system Crank {
+        param l = 0.7, m1 = 1.3, m2 = 0.8, m3 = 2.1, k = 5, g = 9.81, stop = 0;
+        coord a: angle;
+        T = (m1 + m3) * l.powi(2) / 6 * dot(a).powi(2) + 0.5 * m2 * (l * dot(a)).powi(2);
+        V = 0.5 * g * l * (m1 + m3) * sin(a) + m2 * g * l * sin(a) + 0.5 * k * (a - 0.4).powi(2);
+        event stopped: a - stop, falling, terminal;
+    }
+}
+
+/// The largest error of states at eight bounces on the stop, relative to `1 + |q̇|`.
+fn bounces<M, C>(method: M, controller: C, stop: f64) -> f64
+where
+    M: Method<Stopped, 3>,
+    C: Controller<f64, 3, M::Error>,
+{
+    let (linkage, crank) = (Stopped { stop, ..Stopped::new() }, Crank { stop, ..Crank::new() });
+    let start = State::new(0.0, [0.5, 0.0, 0.5], [-1.0, 0.0, -1.0]);
+    let mut run = integrate(&linkage, method, controller, start).until(6.0).events(Stopped::STOPPED);
+    let by_angle = State::new(0.0, [0.5], [-1.0]);
+    let mut twin =
+        integrate(&crank, Dop853, PiController::tolerance(1e-13), by_angle).until(6.0).events(Crank::STOPPED);
+    let mut worst = 0f64;
+    for _ in 0..8 {
+        let mut exact = twin.next().unwrap().unwrap().state;
+        let met = run.next().unwrap().unwrap_or_else(|failure| panic!("{stop:e}: {failure}")).state;
+        let off = [met.t - exact.t, met.q[0] - stop, met.q[1], met.q[2] - stop];
+        let speed = 1.0 + exact.qd[0].abs();
+        let rates = [met.qd[0] - exact.qd[0], met.qd[1], met.qd[2] - exact.qd[0]].map(|rate| rate / speed);
+        worst = off.into_iter().chain(rates).fold(worst, |worst, x| worst.max(x.abs()));
+        exact.qd[0] *= -0.9;
+        twin.restart(exact);
+        let normal = linkage.tip(&met.q, met.t, &[0.3, 1.0].into());
+        run.restart(linkage.rebound(&met, &normal, 0.9).after);
+    }
+    worst
+}
+
+#[test]
+fn runs_end_on_their_branch_beside_the_line() {
+    for stop in [0.0, 1e-10, -1e-10, 1e-8, 1e-6, -1e-6, -1e-4, 1e-3, -2e-2] {
+        for tolerance in [1e-7, 1e-10] {
+            let error = bounces(Dop853, PiController::tolerance(tolerance), stop);
+            assert!(error < 5.0 * tolerance, "Dop853 {stop:e} {tolerance:e}: {error:e}");
+        }
+        let error = bounces(Radau5, PiController::tolerance(1e-9), stop);
+        assert!(error < 5e-9, "Radau5 {stop:e}: {error:e}");
+        let error = bounces(Rk4, FixedStep::new(1e-3), stop);
+        assert!(error < 1e-8, "Rk4 {stop:e}: {error:e}");
+    }
+}
+
+/// Steps of one size end in the line, within rounding, or 1e-12 beside it.
+#[test]
+fn equal_steps_that_end_in_the_line_go_on() {
+    let free = Stopped { k: 0.0, g: 0.0, stop: -9.0, ..Stopped::new() };
+    for beside in [0.0, 1e-12, 1e-11, 1e-9, 1e-7] {
+        for h in [1e-3, 1e-2] {
+            let a = 0.5 + beside;
+            let start = State::new(0.0, [a, 0.0, a], [-1.0, 0.0, -1.0]);
+            let end = integrate(&free, Rk4, FixedStep::new(h), start).until(1.0).final_state().unwrap();
+            let exact = [a - 1.0, 0.0, a - 1.0, -1.0, 0.0, -1.0];
+            let error = (0..3).fold(0f64, |error, i| {
+                error.max((end.q[i] - exact[i]).abs()).max((end.qd[i] - exact[3 + i]).abs())
+            });
+            assert!(error < 1e-13, "{beside:e} {h}: {error:e}");
+        }
+    }
+}
