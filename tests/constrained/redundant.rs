@@ -132,6 +132,26 @@ fn conditions_that_rounding_contradicts_are_run() {
 }
 
 /// A gradient that falls from e²⁰ to 40 on the way to the constraint does not vanish on it, as that of a square does.
+/// They hold together at x = 0, and not at every place at which one of them does.
+#[test]
+fn conditions_that_hold_together_in_some_places_are_run() {
+    lagrangian! {
+        system Walls {
+            coord x, y;
+            T = 0.5 * (dot(x).powi(2) + dot(y).powi(2) + dot(x) * dot(y));
+            V = 2 * y * y;
+            redundant constraint a: sin(x) == 0;
+            redundant constraint b: x == 0;
+        }
+    }
+    let start = State::new(0.0, [0.0, 1.0], [0.0, 0.0]);
+    let end = integrate(&Walls::new(), Dop853, PiController::tolerance(1e-12), start)
+        .until(1.0)
+        .final_state()
+        .unwrap();
+    assert!(end.q[0].abs() < 1e-12 && (end.q[1] - 2f64.cos()).abs() < 1e-10, "{end:?}");
+}
+
 #[test]
 fn a_steep_constraint_is_none_that_vanishes() {
     lagrangian! {

@@ -203,6 +203,28 @@ fn loads_without_bound_are_no_numbers() {
     assert!((1..200).contains(&unknown), "{unknown}");
 }
 
+lagrangian! {
+    /// A bead on two wires that cross.
+    system Crossed {
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = 9.81 * y;
+        constraint wires: x * (x - y) == 0;
+    }
+}
+
+/// On the wire y = x the multiplier is −4.905/x, since the gradient vanishes where the wires cross: no number near there,
+/// and none at it.
+#[test]
+fn loads_where_a_gradient_vanishes_are_no_numbers() {
+    for x in [0.0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 0.3, -1e-12, -0.3] {
+        let at = State::new(0.0, [x, x], [2.0, 2.0]);
+        let found = Crossed::new().multipliers_at(&at)[0];
+        let is_right = (found * x + 4.905).abs() < 1e-12;
+        assert!(is_right || x.abs() < 0.1 && found.is_nan(), "{x:e}: {found:e}");
+    }
+}
+
 /// A load all but in the middle: the pole is told where it is 1e-10 of the load at the nearest of the nodes, which are
 /// 0.1 rad apart. A weaker one is left out.
 #[test]

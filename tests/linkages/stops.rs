@@ -3,18 +3,19 @@
 //! coordinate.
 
 use super::*;
+use lagrange_runtime::analysis::{AnalysisError, Equilibrium, StateSpace, equilibria};
 use lagrange_runtime::{Controller, Method};
 
 lagrangian! {
     /// A parallelogram of bars of three masses, with a spring at one crank, and a stop for the other one.
     system Stopped {
-        param l = 0.7, base = 1.9, m1 = 1.3, m2 = 0.8, m3 = 2.1, k = 5, g = 9.81, stop = 0;
+        param l = 0.7, base = 1.9, m1 = 1.3, m2 = 0.8, m3 = 2.1, k = 5, relaxed = 0.4, g = 9.81, stop = 0;
         coord a: angle, b: angle, c: angle;
         let x = l * cos(a) + 0.5 * base * cos(b);
         let y = l * sin(a) + 0.5 * base * sin(b);
         T = m1 * l.powi(2) / 6 * dot(a).powi(2) + m3 * l.powi(2) / 6 * dot(c).powi(2)
             + 0.5 * m2 * (dot(x).powi(2) + dot(y).powi(2)) + m2 * base.powi(2) / 24 * dot(b).powi(2);
-        V = 0.5 * g * l * (m1 * sin(a) + m3 * sin(c)) + m2 * g * y + 0.5 * k * (c - 0.4).powi(2);
+        V = 0.5 * g * l * (m1 * sin(a) + m3 * sin(c)) + m2 * g * y + 0.5 * k * (c - relaxed).powi(2);
         constraint closed: [l * cos(a) + base * cos(b), l * sin(a) + base * sin(b)] == [base + l * cos(c), l * sin(c)];
         impulse tip at [l * cos(a), l * sin(a)];
         event stopped: a - stop, falling, terminal;
@@ -91,3 +92,29 @@ fn equal_steps_that_end_in_the_line_go_on() {
         }
     }
 }
+
+/// Equilibria of springs that relax beside the line are told apart from it down to 1e-5; nearer ones are left out.
+#[test]
+fn searches_for_equilibria_pass_the_line() {
+    for relaxed in [1e-2, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 0.0] {
+        let linkage = Stopped { g: 0.0, relaxed, ..Stopped::new() };
+        let found = equilibria(&linkage, &[-0.5; 3], &[0.5; 3], 40).unwrap();
+        let parallel = |e: &&Equilibrium<3>| e.q[1].abs() < 1e-3 * relaxed;
+        let found: Vec<_> = found.iter().filter(parallel).map(|e| e.q).collect();
+        assert_eq!(found.len(), usize::from(relaxed > 1e-6), "{relaxed:e}: {found:?}");
+        for q in found {
+            assert!((q[0] - relaxed).abs().max((q[2] - relaxed).abs()) < 1e-15 / relaxed, "{relaxed:e}: {q}");
+        }
+        let at = State::new(0.0, [relaxed, 0.0, relaxed], [0.0; 3]);
+        match StateSpace::without_inputs(&linkage, &at) {
+            Ok(model) => {
+                assert!(relaxed > 1e-6 && (model.a[(1, 0)] + 5.0 / MASS).abs() < 1e-8, "{relaxed:e}")
+            }
+            Err(AnalysisError::DependentConstraints { .. }) => assert!(relaxed <= 1e-6, "{relaxed:e}"),
+            Err(error) => panic!("{relaxed:e}: {error}"),
+        }
+    }
+}
+
+/// (m₁ + m₃) l²/3 + m₂ l².
+const MASS: f64 = 3.4 * 0.49 / 3.0 + 0.8 * 0.49;

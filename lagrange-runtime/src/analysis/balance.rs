@@ -108,7 +108,7 @@ const APART: [f64; 6] = [0.37, -0.61, 1.7, -2.9, 7.3, -11.9];
 
 /// Refuses a place at which these forces are left, which its small displacements do not change, unless they are
 /// rounding: they are if they are that small by the derivatives of each, and are others at a distance along
-/// displacements that change nothing, or are roundings of forces that balance.
+/// displacements that change nothing, or are roundings of forces that balance others.
 pub(super) fn balanced(
     left: &DVector<f64>,
     derivatives: &DMatrix<f64>,
@@ -128,9 +128,7 @@ pub(super) fn balanced(
         return unbalanced;
     }
     // Loads that balance in decimal numbers do not in binary ones.
-    let balancing =
-        |i: usize| derivatives.row(i).iter().zip(at.iter()).map(|(d, x)| (d * x).abs()).fold(0.0, f64::max);
-    if (0..left.len()).all(|i| left[i].abs() <= 4.0 * f64::EPSILON * balancing(i)) {
+    if left.amax() <= 4.0 * f64::EPSILON * (derivatives * at).amax() {
         return Ok(());
     }
     let size = left.norm();

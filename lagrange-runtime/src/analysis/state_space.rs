@@ -1,10 +1,11 @@
 //! The linear model (A, B, C, D) of a system with inputs and outputs.
 
 use super::AnalysisError;
+use super::constrained::held;
 use super::eigen::eigenvalues;
 use super::exponential;
 use super::switch::{DISPLACEMENTS, Equations, shrinks, smooth};
-use super::tangent::{ACTS, Held, TangentSpace, dynamic, fulfilled, units};
+use super::tangent::{ACTS, TangentSpace, dynamic, units};
 use crate::input::{InputJacobian, Inputs};
 use crate::lanes::Rescale;
 use crate::scalar::Dual;
@@ -116,9 +117,6 @@ impl StateSpace {
     {
         let Jacobian { q, qd, .. } = system.jacobian(&at.q, &at.qd, at.t);
         let (basis, states) = admissible(system, at)?;
-        if !Sys::FACTS.constraints.is_empty() {
-            held(system, at)?;
-        }
         if !q.iter().chain(&qd).all(|x| x.is_finite()) {
             return Err(AnalysisError::NotFinite);
         }
@@ -271,12 +269,11 @@ fn admissible<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     at: &State<f64, N>,
 ) -> Result<(DMatrix<f64>, Vec<usize>), AnalysisError> {
-    let all = Held::all(system, at)?;
-    if all.is_empty() {
+    if Sys::FACTS.constraints.is_empty() {
         let kept = kept::<Sys, N>();
         return Ok((DMatrix::identity(2 * N, 2 * N).select_columns(&kept), kept));
     }
-    fulfilled(&all, at.q.as_slice(), at.qd.as_slice())?;
+    let all = held(system, at)?;
     let units = units(&dynamic(&system.inertia(&at.q, &at.qd, at.t)));
     let space = TangentSpace::new(&all, &units, &[ACTS; N])?;
     Ok(space.states(N - Sys::FIRST_ORDER))

@@ -504,7 +504,9 @@ where
                 return Some((self.of)(at, &accelerations, &constant(Scalar::zero())));
             }
             let inertial = product(&system.inertia(&at.q, &at.qd, at.t), &accelerations);
-            let gradients = largest(&system.constraint_jacobian(&at.q, at.t));
+            // (Of nodes: the one at the state itself may vanish.)
+            let gradient = |node: &State<_, N>| largest(&system.constraint_jacobian(&node.q, node.t));
+            let gradients = nodes.pairs.iter().flatten().map(gradient).fold(0.0, f64::max);
             let size = (largest(&static_force) + largest(&inertial)) / gradients;
             // (Under the force of the state alone multipliers are without bound in the line.)
             // A state beside its branch has a force beside that of the branch.

@@ -284,11 +284,11 @@ impl<S: Real, const N: usize> Generator<S, N> {
             let again = third.times(&third).times(&third);
             let [off, kept, other] = [again.scaled(-S::one()).plus(&e), e, again].map(|e| e.largest());
             // (Column by column: a long way of one coordinate says nothing about others.)
-            let is_lost = |half: usize, j: usize| {
+            let is_known = |half: usize, j: usize| {
                 let largest = kept[half][j].max(other[half][j]);
-                !settled[half][j] && !(off[half][j] <= LOST * largest && largest >= DECAYED)
+                settled[half][j] || (largest >= DECAYED && off[half][j] <= LOST * largest)
             };
-            if (0..2 * N).any(|j| is_lost(j / N, j % N)) {
+            if !(0..2 * N).all(|j| is_known(j / N, j % N)) {
                 e = identity.scaled(S::from_f64(f64::NAN));
             }
         }

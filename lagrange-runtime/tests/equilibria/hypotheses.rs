@@ -320,6 +320,41 @@ lagrangian! {
 }
 
 lagrangian! {
+    /// Three bodies and two springs, under loads.
+    system Afloat {
+        param f: [3];
+        coord x: [3];
+        T = 0.5 * (dot(x[0]).powi(2) + dot(x[1]).powi(2) + dot(x[2]).powi(2));
+        V = 5 * (x[1] - x[0]).powi(2) + 3.5 * (x[2] - x[1]).powi(2) - f[0] * x[0] - f[1] * x[1] - f[2] * x[2];
+    }
+}
+
+/// Loads that balance in decimal numbers, and not in binary ones: 0.1 + 0.2 is not 0.3. A load that does not balance is
+/// told.
+#[test]
+fn loads_balance_but_for_rounding() {
+    for [f, g, h] in
+        [[0.1, 0.2, -0.3], [0.3, -0.4, 0.1], [100.1, 200.2, -300.3], [0.5, 0.25, -0.75], [0.1, 0.0, -0.1]]
+    {
+        let system = Afloat::new([f, g, h].into());
+        let rest = [0.0, -f / 10.0, -f / 10.0 + h / 7.0];
+        let found = equilibrium(&system, &[0.3, 0.1, -0.2]).unwrap();
+        assert!((found.q[1] - found.q[0] - rest[1]).abs() < 1e-14 * (1.0 + f), "{found:?}");
+        let squares = small_vibrations(&system, &rest).unwrap().modes().unwrap().squares().to_vec();
+        for (found, exact) in squares.iter().zip([0.0, 17.0 - 79f64.sqrt(), 17.0 + 79f64.sqrt()]) {
+            assert!((found - exact).abs() < 1e-13, "{squares:?}");
+        }
+        for share in [1e-6, 1e-12] {
+            let system = Afloat::new([f, g, h + share * f].into());
+            assert!(
+                matches!(equilibrium(&system, &rest), Err(AnalysisError::Unbalanced { .. })),
+                "{f} {share}"
+            );
+        }
+    }
+}
+
+lagrangian! {
     /// The pair in other coordinates, in which forces within it cancel but for rounding.
     system Turned {
         param k, f;
