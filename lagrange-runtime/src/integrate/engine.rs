@@ -418,7 +418,7 @@ where
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
     ) -> Result<(Step<Sys, M, N>, M::MethodState), Failure<Sys::Scalar>> {
-        let across = self.across(system, h);
+        let across = Across { last: true, ..self.across(system, h) };
         let memory = self.method.start_across(&across, from)?;
         let mut next = memory.clone();
         let step = attempt_across(&across, &self.method, &self.controller, &memory, from, h, &mut next)?;
@@ -521,7 +521,7 @@ where
         let from = &self.state;
         // (A branch by a constant alone is not compiled where it is false, nor is what it calls.)
         if Self::DEPENDENT && self.across[1] {
-            let across = Across { system, reference: self.reference, h };
+            let across = Across { system, reference: self.reference, h, last: false };
             // (Failures of any kind say that there are no states on both sides.)
             let step = attempt_across(&across, &self.method, &self.controller, memory, from, h, next);
             return step.map_err(|failure| match system.restored(from) {
@@ -536,7 +536,7 @@ where
 
     /// The system as a step of size `h` sees it that goes through a state at which constraints are dependent.
     fn across<'a>(&self, system: &'a Sys, h: Sys::Scalar) -> Across<'a, Sys, N> {
-        Across { system, reference: self.reference, h }
+        Across { system, reference: self.reference, h, last: false }
     }
 
     /// Returns whether the step after a rejected one of size `h` is made through a state at which constraints are

@@ -14,6 +14,8 @@ pub struct Across<'a, Sys: System<N>, const N: usize> {
     pub(crate) reference: State<Sys::Scalar, N>,
     /// Size of the step.
     pub(crate) h: Sys::Scalar,
+    /// The motion is left after the step, so that what rounding makes of accelerations there has no effect on it.
+    pub(crate) last: bool,
 }
 
 impl<Sys: System<N, Scalar: Real>, const N: usize> System<N> for Across<'_, Sys, N> {

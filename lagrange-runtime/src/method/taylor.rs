@@ -279,7 +279,8 @@ where
     where
         Sys::Scalar: Real,
     {
-        let mut step = self.collocated_step(across.system, across, memory, from, h, next)?;
+        let noise = if across.last { INTERPOLATED } else { ROUNDED };
+        let mut step = self.collocated_step(across.system, (across, noise), memory, from, h, next)?;
         let accelerations = across.accel(&step.to.q, &step.to.qd, step.to.t);
         let changes = changes(&step.stages, self.terms(), step.h);
         step.error = remainder(self.terms(), step.h, &changes, |i| accelerations[i]);
@@ -371,15 +372,16 @@ impl<const ROOM: usize> Taylor<ROOM> {
     where
         Sys::Scalar: SimdScalar,
     {
-        self.collocated_step(system, system, memory, from, h, next)
+        self.collocated_step(system, (system, ROUNDED), memory, from, h, next)
     }
 
-    /// A step by collocation of the accelerations of `field`, on one side of each switch.
+    /// A step by collocation of the accelerations of `field`, which are known to a multiple of rounding, on one side of
+    /// each switch.
     #[inline(never)]
     fn collocated_step<Sys: Analytic<N>, Field: System<N, Scalar = Sys::Scalar>, const N: usize>(
         &self,
         system: &Sys,
-        field: &Field,
+        (field, noise): (&Field, f64),
         memory: &MethodState<Sys::Scalar, N, ROOM, Sys::Sides>,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
@@ -389,7 +391,7 @@ impl<const ROOM: usize> Taylor<ROOM> {
         Sys::Scalar: SimdScalar,
     {
         let h = (from.t + h) - from.t;
-        let polynomial = collocation::collocated(field, from, h, self.terms())?;
+        let polynomial = collocation::collocated(field, from, h, self.terms(), noise)?;
         let at = |i: u32| {
             system.sides(&polynomial.at(from.t + h * Sys::Scalar::from_f64(f64::from(i) / f64::from(LOOKS))))
         };
@@ -657,6 +659,11 @@ const LOOKS: u32 = 32;
 
 /// Roundings of time within which a step cannot resolve how a root begins.
 const ROUNDINGS: f64 = 64.0;
+
+/// Multiples of rounding to which accelerations are known: those of a system, and those that are interpolated across
+/// states at which constraints are dependent.
+const ROUNDED: f64 = 64.0;
+const INTERPOLATED: f64 = 1e5;
 
 /// The value of a scalar that has one number.
 fn size<S: SimdScalar>(x: S) -> f64 {

@@ -50,12 +50,13 @@ pub(super) fn states<S: Scalar, const N: usize, const ROOM: usize>(
     CHEBYSHEV.map(|x| polynomial.at(polynomial.from.t + h * S::from_f64(x)))
 }
 
-/// The polynomial of the step of size `h`.
+/// The polynomial of the step of size `h`, by accelerations that are known to this multiple of rounding.
 pub(super) fn collocated<Sys: System<N>, const N: usize, const ROOM: usize>(
     system: &Sys,
     from: &State<Sys::Scalar, N>,
     h: Sys::Scalar,
     order: usize,
+    noise: f64,
 ) -> Result<Polynomial<Sys::Scalar, N, ROOM>, Failure<Sys::Scalar>>
 where
     Sys::Scalar: SimdScalar,
@@ -87,7 +88,7 @@ where
                 return Err(Failure::NonFinite { t: from.t, h });
             }
         }
-        if moved <= rounding || (moved >= before && moved <= 64.0 * rounding) {
+        if moved <= rounding || (moved >= before && moved <= noise * rounding) {
             return Ok(polynomial);
         }
         before = moved;
