@@ -267,3 +267,21 @@ fn every_tolerance_goes_through_the_line() {
         right(tolerance, integrate(&rhombus, series, control, start).until(10.0).final_state().unwrap());
     }
 }
+
+/// At rest where branches cross, which numbers hit but for rounding, a force or a blow leads to either.
+#[test]
+fn rest_where_branches_cross_has_no_accelerations() {
+    use std::f64::consts::{FRAC_PI_2, PI};
+    let rhombus = Rhombus::new();
+    for q in [[0.0; 3], [PI, 0.0, PI], [2.0 * PI, 0.0, 2.0 * PI], [0.0, PI, PI]] {
+        let at = State::new(0.0, q, [0.0; 3]);
+        let [accel, after] = [rhombus.accel_at(&at), rhombus.jump(&at, &[0.3, -0.8, 0.45].into()).after.qd];
+        assert!(accel[0].is_nan() && after[0].is_nan(), "{q:?}: {accel} {after}");
+    }
+    let crank = SliderCrank { r: 0.6, l: 0.6, ..SliderCrank::new() };
+    for side in [1.0, -1.0] {
+        let at = State::new(0.0, [side * FRAC_PI_2; 2], [0.0; 2]);
+        let [accel, after] = [crank.accel_at(&at), crank.jump(&at, &[0.3, -0.8].into()).after.qd];
+        assert!(accel[0].is_nan() && after[0].is_nan(), "{side}: {accel} {after}");
+    }
+}

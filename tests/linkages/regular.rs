@@ -110,6 +110,18 @@ lagrangian! {
 }
 
 lagrangian! {
+    /// A parallelogram whose crank turns at a speed.
+    system Turning {
+        param w;
+        coord a: angle, c: angle, b: angle;
+        T = (dot(a).powi(2) + dot(c).powi(2)) / 6 + dot(b).powi(2) / 24;
+        V = sin(a);
+        constraint speed: dot(a) == -w;
+        constraint end: [cos(a) + cos(b), sin(a) + sin(b)] == [cos(c) + 1, sin(c)];
+    }
+}
+
+lagrangian! {
     /// A slider-crank whose crank turns as it is given: no freedom is left, and the drive and the pins have their
     /// loads.
     system Machine {
@@ -291,6 +303,21 @@ fn drives_go_through_the_line() {
     }
     println!("{right} right, {} named", named.len());
     assert!(right >= 49 * named.len(), "{right} right: {named:#?}");
+}
+
+/// Drives by speed leave no freedom, and a motion.
+#[test]
+fn a_drive_by_speed_goes_through_the_line() {
+    for w in [0.5, 2.0, 30.0] {
+        let (turning, start) = (Turning::new(w), State::new(0.0, [1.3, 1.3, 0.0], [-w, -w, 0.0]));
+        for tolerance in [1e-6, 1e-9, 1e-11] {
+            for end in ends!(turning, start, 4.0 / w, tolerance) {
+                let end = end.unwrap();
+                let error = (end.q[0] + 2.7).abs().max((end.q[1] + 2.7).abs()).max(end.q[2].abs());
+                assert!(error < 1e-9, "{w} {tolerance:e}: {error:e}");
+            }
+        }
+    }
 }
 
 /// Motions that are not promised to get through: each is right, or names its constraints.

@@ -80,6 +80,24 @@ fn runs_end_on_their_branch_beside_the_line() {
     }
 }
 
+/// Samples in steps that jump over the line, whatever stages of an interpolant come to lie near it.
+#[test]
+fn samples_stay_on_their_branch() {
+    let linkage = Stopped { k: 0.0, stop: -9.0, ..Stopped::new() };
+    for tolerance in [1e-6, 1e-9, 1e-11] {
+        for i in 0..40 {
+            let (a, v) = (0.3 + 0.015 * f64::from(i), -0.3 - 0.05 * f64::from(7 * i % 40));
+            let start = State::new(0.0, [a, 0.0, a], [v, 0.0, v]);
+            let run = integrate(&linkage, Dop853, PiController::tolerance(tolerance), start).until(1.7);
+            for at in run.sample_evenly(1700) {
+                let at = at.unwrap();
+                let off = at.q[1].abs().max((at.q[2] - at.q[0]).abs());
+                assert!(off < 50.0 * tolerance, "{tolerance:e} {a} {v}: {off:e} at {at:?}");
+            }
+        }
+    }
+}
+
 /// Steps of one size end in the line, within rounding, or 1e-12 beside it.
 #[test]
 fn equal_steps_that_end_in_the_line_go_on() {

@@ -34,8 +34,10 @@ const SMOOTH: f64 = 1e-6;
 const WIDE: f64 = 0.08;
 const SMOOTHER: f64 = 1e-9;
 
-/// Square of the sine below which a state is nearer to the position than such nodes.
+/// Square of the sine below which a state is nearer to the position than such nodes, and that of a state that is in it
+/// but for rounding.
 const BETWEEN: f64 = 1e-2;
+const AT_POSITION: f64 = 1e-28;
 
 /// Change of a velocity, relative to the fastest one, that is rounding.
 const ROUNDED: f64 = 1e-11;
@@ -542,7 +544,11 @@ where
     Sys::Scalar: Real,
 {
     let moving = || nearest_aside(system, at, &at.qd, clock(system, at));
-    let pushed = || nearest_aside(system, at, &response(system, at, push).0, 0.0);
+    // (At rest in such a position, to rounding, a force leads to any of the branches.)
+    let pushed = || {
+        let aside = nearest_aside(system, at, &response(system, at, push).0, 0.0)?;
+        (independence::<Sys, N, M>(system, &aside, at) > AT_POSITION).then_some(aside)
+    };
     let Some(reference) = moving().or_else(pushed) else {
         // Gradients alone tell of a system that does not move.
         return (least_sine(system, at, VANISHED) >= CLOSE).then(|| alone(at));

@@ -160,11 +160,42 @@ where
     pub fn interpolant(&mut self, system: &Sys, step: &Step<Sys, M, N>) -> M::Interpolant {
         let dense = if Self::DEPENDENT && self.across[0] {
             self.method.interpolant_across(&self.across(system, step.h), step)
+        } else if Self::DEPENDENT
+            && let Some(dense) = self.interpolant_past(system, step)
+        {
+            dense
         } else {
             self.method.interpolant(system, step)
         };
         self.statistics.evaluations += u64::from(self.method.interpolant_evaluations(&dense));
         dense
+    }
+
+    /// The interpolant of a step past a state at which constraints are dependent: that of a step across, which ends where
+    /// this one does. Stages of an interpolant may be so near to such a state that their accelerations mean nothing, though
+    /// those of the step are not.
+    #[cold]
+    #[inline(never)]
+    fn interpolant_past(&mut self, system: &Sys, step: &Step<Sys, M, N>) -> Option<M::Interpolant> {
+        if !self.passes_near(system, &step.from, step.h) {
+            return None;
+        }
+        let across = self.across(system, step.h);
+        let memory = self.method.start_across(&across, &step.from).ok()?;
+        let again =
+            self.method.step_across(&across, &memory, &step.from, step.h, &mut memory.clone()).ok()?;
+        self.statistics.evaluations += u64::from(self.method.start_evaluations() + again.evaluations);
+        let is_same = tolerated(&self.controller, &again.to.minus(&step.to), &step.from, &step.to);
+        is_same.then(|| self.method.interpolant_across(&across, &again))
+    }
+
+    /// Returns whether a motion comes near a state at which constraints are dependent within a step.
+    fn passes_near(&self, system: &Sys, from: &State<Sys::Scalar, N>, h: Sys::Scalar) -> bool {
+        let dependent = |part: f64| {
+            let q = from.q + from.qd * (h * Sys::Scalar::from_f64(part));
+            system.independence(&self.reference, &State { q, ..*from }) < NEARLY_DEPENDENT
+        };
+        [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].into_iter().any(dependent)
     }
 
     /// The state on the constraints near one within a step. Near a state at which they are dependent it is on the
@@ -547,14 +578,9 @@ where
     #[cold]
     #[inline(never)]
     fn sets_out_across(&mut self, system: &Sys, h: Sys::Scalar) -> Result<bool, Failure<Sys::Scalar>> {
-        let dependent = |part: f64| {
-            let at = &self.state;
-            let q = at.q + at.qd * (h * Sys::Scalar::from_f64(part));
-            system.independence(&self.reference, &State { q, ..*at }) < NEARLY_DEPENDENT
-        };
-        let turned_back = || self.set_out < 0.0 && dependent(0.0);
-        let is_near = || [0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0].into_iter().any(dependent);
-        if self.across[1] || turned_back() || !is_near() {
+        let turned_back =
+            || self.set_out < 0.0 && system.independence(&self.reference, &self.state) < NEARLY_DEPENDENT;
+        if self.across[1] || turned_back() || !self.passes_near(system, &self.state, h) {
             return Ok(false);
         }
         system.determined(&self.start, &self.state)?;

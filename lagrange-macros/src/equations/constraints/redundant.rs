@@ -61,8 +61,16 @@ pub fn examined(
         return Ok(None);
     }
     let starts = if declared || m >= n { MORE_STARTS } else { STARTS };
-    // A mechanism with a drive for each freedom moves by its constraints alone.
-    let driven = m == n && g.depends(&[&rows.values[..], &rows.rates].concat(), |s| s == Symbol::Time);
+    // A mechanism with a drive for each freedom, by its place or by its speed, moves by its constraints alone.
+    let rest = || {
+        g.evaluate(&rows.rates, |s| match s {
+            Symbol::Velocity(_) => 0.0,
+            other => sample(other, 0, 0),
+        })
+    };
+    let driven = m == n
+        && (g.depends(&[&rows.values[..], &rows.rates].concat(), |s| s == Symbol::Time)
+            || rest().iter().any(|rate| rate.abs() > 1e-12));
     let mut places: Vec<(Place, usize)> = Vec::new();
     for trial in 0..starts {
         let Some(place) = (Search { g, model, rows, trial }).place() else { continue };
