@@ -462,6 +462,12 @@ fn read(mut tokens: Vec<TokenTree>, statements: &mut Vec<Statement>, errors: &mu
                         syn::Error::new(other.span(), "expected `=` before this"),
                         &tokens[0],
                     ));
+                } else if let [comma, word, ..] = rest.as_slice()
+                    && is_punct(comma, ',')
+                    && word.to_string() == "redundant"
+                {
+                    let message = "`redundant` stands before the word `constraint`\nhelp: write `redundant constraint name: …;`";
+                    errors.push(word, message);
                 } else if let Some((at, message)) = notation::meant(&tokens, read) {
                     errors.push(at.iter().cloned().collect::<TokenStream>(), message);
                 } else {

@@ -132,6 +132,25 @@ fn conditions_that_rounding_contradicts_are_run() {
 }
 
 /// A gradient that falls from e²⁰ to 40 on the way to the constraint does not vanish on it, as that of a square does.
+/// A condition is the same in whatever unit.
+#[test]
+fn constraints_have_any_scale() {
+    lagrangian! {
+        system Scaled {
+            coord x, y;
+            T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+            V = 9.81 * y;
+            constraint rod: 1e-20 * (x * x + y * y) == 1e-20;
+        }
+    }
+    let at = State::new(0.0, [0.6, -0.8], [0.8, 0.6]);
+    // λ n + g with n the normal: q̈ = −9.81 y n·… along the tangent (0.8, 0.6), and −1 along (0.6, −0.8).
+    let along = -9.81 * 0.6;
+    let exact = [along * 0.8 - 0.6, along * 0.6 + 0.8];
+    let found = Scaled::new().accel_at(&at);
+    assert!((found[0] - exact[0]).abs().max((found[1] - exact[1]).abs()) < 1e-13, "{found} {exact:?}");
+}
+
 /// They hold together at x = 0, and not at every place at which one of them does.
 #[test]
 fn conditions_that_hold_together_in_some_places_are_run() {

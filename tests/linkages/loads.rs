@@ -225,6 +225,43 @@ fn loads_where_a_gradient_vanishes_are_no_numbers() {
     }
 }
 
+lagrangian! {
+    /// A bead on three wires that cross.
+    system Wires {
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = 0.7 * x + 0.4 * y;
+        constraint wires: x * y * (x - y) == 0;
+    }
+}
+
+lagrangian! {
+    /// A bead in a plane, or on a cylinder.
+    system Sheets {
+        coord x, y, z;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2) + dot(z).powi(2));
+        V = 0.2 * x + 0.9 * y + 0.3 * z;
+        constraint sheets: (x.powi(2) + y.powi(2) - 1) * z == 0;
+    }
+}
+
+/// Gradients that have no part along the wire say nothing of the motion along it.
+#[test]
+fn beads_pass_crossings_of_wires_and_of_sheets() {
+    let (wires, sheets) = (Wires::new(), Sheets::new());
+    for k in 0..72 {
+        let d = 10f64.powf(-12.0 + f64::from(k) / 6.0);
+        let at = State::new(0.0, [d, 0.0], [2.0, 0.0]);
+        let after = wires.jump(&at, &[0.3, -0.7].into()).after.qd;
+        assert!(worst(wires.accel_at(&at).as_slice(), &[-0.7, 0.0]) < 1e-8, "{d:e}");
+        assert!(worst(after.as_slice(), &[2.3, 0.0]) < 1e-8, "{d:e}");
+        let at = State::new(0.0, [1.0 - d, 0.0, 0.0], [2.0, 0.5, 0.0]);
+        let after = sheets.jump(&at, &[0.3, -0.7, 0.4].into()).after.qd;
+        assert!(worst(sheets.accel_at(&at).as_slice(), &[-0.2, -0.9, 0.0]) < 1e-8, "{d:e}");
+        assert!(worst(after.as_slice(), &[2.3, -0.2, 0.0]) < 1e-8, "{d:e}");
+    }
+}
+
 /// A load all but in the middle: the pole is told where it is 1e-10 of the load at the nearest of the nodes, which are
 /// 0.1 rad apart. A weaker one is left out.
 #[test]

@@ -231,9 +231,7 @@ fn singular_at(g: &Graph, m: &Symmetric, trial: u64) -> Option<Option<usize>> {
     if a.iter().flatten().any(|x| !x.is_finite()) {
         return None;
     }
-    let scale: Vec<f64> =
-        (0..n).map(|i| (0..n).map(|j| a[i.max(j)][i.min(j)].abs()).fold(0.0, f64::max)).collect();
-    // Units in which inertia is about 1, and so are the rows of constraints.
+    // In units in which inertia is about 1, and so are the rows of constraints.
     let mut units: Vec<f64> = (0..n).map(|i| a[i][i].abs().sqrt()).collect();
     for i in 0..n {
         if units[i] == 0.0 {
@@ -242,11 +240,16 @@ fn singular_at(g: &Graph, m: &Symmetric, trial: u64) -> Option<Option<usize>> {
             units[i] = if largest > 0.0 { largest } else { 1.0 };
         }
     }
+    for i in 0..n {
+        (0..=i).for_each(|j| a[i][j] = a[i][j] / units[i] / units[j]);
+    }
+    let scale: Vec<f64> =
+        (0..n).map(|i| (0..n).map(|j| a[i.max(j)][i.min(j)].abs()).fold(0.0, f64::max)).collect();
     for j in 0..n {
         if a[j][j].abs() <= 1e-12 * scale[j] {
             let empty = (j + 1..n).all(|i| a[i][j].abs() <= 1e-12 * scale[i].max(scale[j]));
             // Otherwise the zero may be an accident of the order.
-            return Some(if empty { Some(j) } else { undetermined(&a, j, &units) });
+            return Some(if empty { Some(j) } else { undetermined(&a, j) });
         }
         eliminate(&mut a, j);
     }
@@ -254,12 +257,10 @@ fn singular_at(g: &Graph, m: &Symmetric, trial: u64) -> Option<Option<usize>> {
 }
 
 /// Which row of the lower triangle `a` from the first on depends on the others? The last that complete pivoting leaves.
-fn undetermined(a: &[Vec<f64>], first: usize, units: &[f64]) -> Option<usize> {
+fn undetermined(a: &[Vec<f64>], first: usize) -> Option<usize> {
     let mut rest: Vec<usize> = (first..a.len()).collect();
-    let mut b: Vec<Vec<f64>> = rest
-        .iter()
-        .map(|&i| rest.iter().map(|&j| a[i.max(j)][i.min(j)] / units[i] / units[j]).collect())
-        .collect();
+    let mut b: Vec<Vec<f64>> =
+        rest.iter().map(|&i| rest.iter().map(|&j| a[i.max(j)][i.min(j)]).collect()).collect();
     for k in 0..rest.len() {
         let places = (k..rest.len()).flat_map(|i| (k..rest.len()).map(move |j| (i, j)));
         let (i, j) = places.max_by(|p, q| b[p.0][p.1].abs().total_cmp(&b[q.0][q.1].abs()))?;

@@ -17,7 +17,7 @@ pub enum Direction {
 }
 
 /// Words that may follow the function of an event.
-const OPTIONS: [&str; 3] = ["rising", "falling", "terminal"];
+pub const OPTIONS: [&str; 3] = ["rising", "falling", "terminal"];
 
 /// Words that other languages have for them.
 const OTHER_OPTIONS: [(&str, &str); 10] = [

@@ -1,6 +1,7 @@
 //! Notation of books and of other languages that Rust does not read, with what is written instead: `sin x`,
 //! `sin^2(x)`, `|x|`, `d/dt x`, `0,5`, `1 < t < 2`.
 
+use super::events::OPTIONS;
 use super::words::{begins_operand, ends_operand, is_keyword};
 use super::{choices, is_punct, signs};
 use crate::diagnostics::plain;
@@ -239,6 +240,10 @@ fn side_by_side(tokens: &[TokenTree], i: usize) -> (&[TokenTree], String) {
         let message =
             format!("a derivative is not a quotient\nhelp: the time derivative is written `dot({right})`");
         return (&tokens[i - 3..=i], message);
+    }
+    if before[0].to_string() == "event" && OPTIONS.contains(&right.to_string().as_str()) {
+        let message = format!("a comma stands before an option of an event\nhelp: write `, {right}`");
+        return (&both[1..], message);
     }
     if let Some(name) = function(before) {
         let message = format!("the argument of a function is in parentheses\nhelp: write `{name}({right})`");

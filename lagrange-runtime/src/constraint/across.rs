@@ -161,9 +161,14 @@ impl<S: Real, const N: usize> Nodes<S, N> {
         (b, clock): (&SVector<S, N>, f64),
         mut spacing: f64,
     ) -> Option<Self> {
+        let whole = largest(b);
         let b = &nearly_dependent_part::<Sys, N, M>(system, reference, at, b, CLOSE);
         let both = |s: f64| Some([projected(system, at, b, -s, clock)?, projected(system, at, b, s, clock)?]);
         let fastest = largest(b);
+        // (Rounding is no way.)
+        if fastest <= ROUNDED * whole {
+            return None;
+        }
         // (Too near the position, a projection leads far away.)
         let beside = |node: &State<S, N>, s: f64| {
             let off = (0..N).map(|i| (node.q[i] - at.q[i] - b[i] * S::from_f64(s)).to_f64().abs());

@@ -109,7 +109,10 @@ where
         let elsewhere = products(system, reference)?;
         let rank = usual_rank::<Sys, N, M>(Some(&elsewhere), squares(&elsewhere))?.min(N);
         let involved = involved(&elsewhere, &products(system, at)?, brink, rank)?;
-        let rows = [reference, at].map(|at| system.constraint_jacobian(&at.q, at.t).map(|x| x.to_f64()));
+        // (A gradient may have no part along a wire wherever it is met.)
+        let aside = away(at, FAR, 1.0);
+        let rows =
+            [reference, at, &aside].map(|at| system.constraint_jacobian(&at.q, at.t).map(|x| x.to_f64()));
         let moved: [bool; N] = core::array::from_fn(|i| {
             rows.iter().any(|rows| (0..M).any(|j| involved[j] && rows[(j, i)] != 0.0))
         });

@@ -301,4 +301,16 @@ pub mod constraints_of_a_family {
     }
 }
 
+pub mod redundant_behind {
+    use lagrange_runtime::prelude::*;
+    lagrangian! {
+        system Behind {
+            coord x, y;
+            T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+            V = 0;
+            constraint rod: x == y, redundant;
+        }
+    }
+}
+
 fn main() {}

@@ -148,4 +148,16 @@ pub mod elsewhere {
     }
 }
 
+pub mod option_without_a_comma {
+    use lagrange_runtime::prelude::*;
+    lagrangian! {
+        system Without {
+            coord x;
+            T = 0.5 * dot(x).powi(2);
+            V = x;
+            event ground: x falling terminal;
+        }
+    }
+}
+
 fn main() {}

@@ -327,7 +327,7 @@ impl Elaborator<'_> {
                 }
                 let hint = did_you_mean(&text, all.iter().map(String::as_str));
                 let help = match all.is_empty() {
-                    true => "this system has neither prescribed coordinates nor constraints".into(),
+                    true => "no prescribed coordinate and no constraint stands above this statement".into(),
                     false => {
                         let all: Vec<String> = all.iter().map(|name| format!("`{name}`")).collect();
                         format!("those above this statement are {}", all.join(", "))
