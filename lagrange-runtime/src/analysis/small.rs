@@ -18,6 +18,10 @@ const ROUNDING: f64 = 256.0 * f64::EPSILON;
 /// Displacement, relative to `1 + |q|`, up to whose effect forces may be left at a steady motion.
 const UNSTEADY: f64 = 1e-6;
 
+/// What an instant without accelerations lacks.
+const STEADY: &str = "a motion along which accelerations stay 0, and are not so for an instant, as those of an attitude \
+                      that turns";
+
 impl SmallMotion {
     /// The equations with these matrices, all `n × n`, n ≥ 1.
     ///
@@ -87,7 +91,8 @@ impl SmallMotion {
     /// [`small_vibrations`](super::small_vibrations) and [`steady`](super::Steady) find them.
     ///
     /// # Hypotheses
-    /// - Accelerations vanish at the state: what is left of a force is at most what a displacement by 1e-6 changes it.
+    /// - Accelerations vanish at the state, and stay so: what is left of a force is at most what a displacement by 1e-6
+    ///   changes it. Parameters of an attitude that turns are no coordinates of a steady motion.
     /// - Time does not appear in the equations of motion ([`Facts::autonomous`](crate::Facts::autonomous)).
     /// - M is positive definite.
     /// - The state is not on a switch of the forces at which these or their derivatives jump.
@@ -115,6 +120,7 @@ impl SmallMotion {
         }
         smooth(system, at, 0.0, linearized)?;
         let [rest, _, c, k] = linearized(system, at);
+        let rounding = ROUNDING * k.amax() * at.qd.amax();
         for coordinate in 0..N {
             let change = |j: usize| {
                 k[(coordinate, j)].abs() * (1.0 + at.q[j].abs()) + (c[(coordinate, j)] * at.qd[j]).abs()
@@ -123,6 +129,11 @@ impl SmallMotion {
             if residual > UNSTEADY * (0..N).map(change).sum::<f64>() {
                 let coordinate = Coordinate::of::<Sys, N>(coordinate);
                 return Err(AnalysisError::NotEquilibrium { residual, coordinate, nearest: None });
+            }
+            let rate = |j: usize| k[(coordinate, j)] * at.qd[j];
+            let size = (0..N).map(|j| rate(j).abs()).sum::<f64>();
+            if (0..N).map(rate).sum::<f64>().abs() > (UNSTEADY * size).max(rounding) {
+                return Err(AnalysisError::NotApplicable { needs: STEADY });
             }
         }
         Self::at(system, at)

@@ -422,8 +422,23 @@ fn steady_motions_are_checked() {
         matches!(about(0.1, 0.0), Err(AnalysisError::NotEquilibrium { coordinate, .. }) if coordinate.index == 0)
     );
     assert!(matches!(about(1e-3, 0.0), Err(AnalysisError::NotEquilibrium { .. })));
+    // Through the lowest point, and of a body that turns, accelerations vanish for an instant.
+    assert!(matches!(about(0.0, 1.0), Err(AnalysisError::NotApplicable { .. })));
+    let top = Top::new();
+    let turning = State::new(0.0, [0.0; 3], [0.0, 0.0, 0.75]);
+    assert!(matches!(SmallMotion::steady(&top, &turning), Err(AnalysisError::NotApplicable { .. })));
     let pulsed = SmallMotion::steady(&PulsedHanging::new(2.0), &State::new(0.0, [0.0], [0.0]));
     assert_eq!(pulsed, Err(AnalysisError::TimeDependent));
+}
+
+lagrangian! {
+    /// A free body.
+    system Top {
+        coord R: rotation;
+        let hub = frame(world, [0, 0, 0], R);
+        T = body(1, [1, 2, 3], hub);
+        V = 0;
+    }
 }
 
 lagrangian! {
