@@ -1,6 +1,7 @@
 //! Impulses: the jump of the velocities, and the energy that it adds (Beatty 2006, 11.9, (11.58): Δp = P).
 
 use crate::constraint::{Constrained, struck};
+use crate::linear::factored;
 use crate::scalar::Scalar;
 use crate::state::State;
 use crate::system::{Lagrangian, LegendreTransform};
@@ -95,6 +96,18 @@ pub fn constrained_jump<Sys: Constrained<N, M>, const N: usize, const M: usize>(
 ) -> Jump<Sys::Scalar, N> {
     let [change, reaction] = struck(system, at, impulse);
     jump(at, at.qd + change, impulse, reaction)
+}
+
+/// [`Impulsive::jump`] of a system with states of first order, which no impulse changes.
+pub fn jump_beside_states<Sys: Lagrangian<N>, const N: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+    impulse: &SVector<Sys::Scalar, N>,
+) -> Jump<Sys::Scalar, N> {
+    let zero = Sys::Scalar::zero();
+    let impulse = SVector::from_fn(|i, _| if i < N - Sys::FIRST_ORDER { impulse[i] } else { zero });
+    let change = factored(&system.inertia(&at.q, &at.qd, at.t)).solve(&impulse);
+    jump(at, at.qd + change, &impulse, SVector::from_fn(|_, _| zero))
 }
 
 fn jump<S: Scalar, const N: usize>(

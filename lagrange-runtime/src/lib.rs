@@ -220,7 +220,7 @@ pub mod __private {
     pub use crate::__saved;
     pub use crate::event::{Compiled, Direction, Event};
     pub use crate::external::DataInLanes;
-    pub use crate::impulse::constrained_jump;
+    pub use crate::impulse::{constrained_jump, jump_beside_states};
     pub use crate::input::dual_input_jacobian;
     pub use crate::linear::solved;
     pub use crate::scalar::{Comparison, SimdScalar};

@@ -649,3 +649,36 @@ mod analysis {
         }
     }
 }
+
+lagrangian! {
+    /// Two bodies of unequal masses, of which one is hung from the other, and the current of a motor that turns neither.
+    system Hit {
+        param m = 2, l = 0.5;
+        coord x, theta: angle;
+        state i = 0.25;
+        T = 0.5 * dot(x).powi(2) + 0.5 * m * ((dot(x) + l * cos(theta) * dot(theta)).powi(2) + (l * sin(theta) * dot(theta)).powi(2));
+        V = -m * 9.81 * l * cos(theta);
+        rate(i) = -i + dot(x);
+        impulse blow at [x + l * sin(theta), -l * cos(theta)];
+    }
+}
+
+/// A blow changes velocities, and no state.
+#[test]
+fn blows_leave_states_as_they_are() {
+    let hit = Hit::new();
+    let at = hit.start(0.0, [0.1, 0.3], [0.4, -2.0]);
+    let normal = hit.blow(&at.q, 0.0, &[1.0, 0.0].into());
+    let jump = hit.jump(&at, &(normal * 3.0));
+    // M Δq̇ = P by Cramer's rule.
+    let (a, b, c) = (3.0, 2.0 * 0.5 * 0.3f64.cos(), 2.0 * 0.25);
+    let (p, q) = (3.0, 1.5 * 0.3f64.cos());
+    let exact = [(p * c - b * q) / (a * c - b * b), (a * q - b * p) / (a * c - b * b), 0.0];
+    for (i, exact) in exact.into_iter().enumerate() {
+        assert!((jump.after.qd[i] - at.qd[i] - exact).abs() < 1e-14, "{i}: {jump:?}");
+    }
+    assert_eq!(jump.after.qd[2], 0.25);
+    let rate = |at: &State<f64, 3>| normal.dot(&at.qd);
+    let after = hit.rebound(&at, &normal, 0.8).after;
+    assert!((rate(&after) + 0.8 * rate(&at)).abs() < 1e-14 && after.qd[2] == 0.25, "{after:?}");
+}

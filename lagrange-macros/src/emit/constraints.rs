@@ -124,17 +124,27 @@ impl Emitter<'_> {
         let (n, m) = (self.n(), self.d.size(Size::Constraints));
         let Some(constrained) = self.implementation("Constrained", quote!(), quote!()) else {
             // States of first order are no coordinates.
-            let independent = self.d.model.states.is_empty();
-            let independent = independent
-                .then(|| quote!(impl<S: #runtime::Scalar> #runtime::Independent<#n> for #name<S> {}));
-            return quote!(#independent);
+            if self.d.model.states.is_empty() {
+                return quote!(impl<S: #runtime::Scalar> #runtime::Independent<#n> for #name<S> {});
+            }
+            let jump = quote!(#runtime::jump_beside_states::<Self, #n>(self, at, impulse));
+            return if self.d.equations.facts.quadratic { self.impulsive(&jump) } else { quote!() };
         };
+        let impulsive = self.impulsive(&quote!(#runtime::constrained_jump::<Self, #n, #m>(self, at, impulse)));
         quote! {
             #constrained
 
+            #impulsive
+        }
+    }
+
+    /// `Impulsive` of a system that is not `Independent`.
+    fn impulsive(&self, jump: &TokenStream) -> TokenStream {
+        let (Model { name, runtime, .. }, n) = (&self.d.model, self.n());
+        quote! {
             impl<S: #runtime::Scalar> #runtime::Impulsive<#n> for #name<S> {
                 fn jump(&self, at: &#runtime::State<S, #n>, impulse: &#runtime::SVector<S, #n>) -> #runtime::Jump<S, #n> {
-                    #runtime::constrained_jump::<Self, #n, #m>(self, at, impulse)
+                    #jump
                 }
             }
         }

@@ -416,8 +416,7 @@ impl<'a> Stubs<'a> {
                 }
             })
         });
-        let independent = match free {
-            true if states > 0 => quote!(),
+        let independent = match free && states == 0 {
             true => quote!(impl<S: #runtime::Scalar, #generic> #runtime::Independent<#n> for #name<S> {}),
             false => quote! {
                 impl<S: #runtime::Scalar, #generic> #runtime::Impulsive<#n> for #name<S> {
