@@ -130,7 +130,8 @@ impl Emitter<'_> {
             let jump = quote!(#runtime::jump_beside_states::<Self, #n>(self, at, impulse));
             return if self.d.equations.facts.quadratic { self.impulsive(&jump) } else { quote!() };
         };
-        let impulsive = self.impulsive(&quote!(#runtime::constrained_jump::<Self, #n, #m>(self, at, impulse)));
+        let impulsive =
+            self.impulsive(&quote!(#runtime::constrained_jump::<Self, #n, #m>(self, at, impulse)));
         quote! {
             #constrained
 

@@ -4,14 +4,16 @@
 //! base method the state goes to the manifold on which the invariants have their values of the start, by the smallest
 //! change in a norm. Since the change is of the size of the local error, the order stays.
 //!
-//! It is made in (q, p), where the gradients are at hand: an ignorable momentum is an invariant itself and just set,
-//! and the energy function H has `∂H/∂q = −F` (F: generalized force) and `∂H/∂p = q̇`. In the norm
-//! `‖(δq, δp)‖² = δqᵀM δq/τ² + δpᵀM⁻¹δp`, M the inertia matrix and τ the time scale of the motion, the smallest
-//! change that restores H is along `(−τ² M⁻¹F, M̃ q̇)`, where M̃ is M with the ignorable coordinates eliminated,
-//! whose momenta are not to change. For τ² the ratio of the largest `q̇ᵀM q̇` to the largest `FᵀM⁻¹F` seen in the run
-//! is taken, so neither units nor turning points (q̇ = 0) nor places without force matter. The whole of M, and not
-//! only its diagonal, makes the choice of coordinates not matter either: near a singular M a change along the
-//! diagonal would be large in the light direction.
+//! It is made in (q, p), where an ignorable momentum is an invariant itself and just set. What is left of the momenta,
+//! `π = M̃ q̇` with M̃ the inertia matrix M without the ignorable coordinates, is that of the motion beside them:
+//! `H = ½ q̇ᵀ M̃ q̇ + V*(q)`, with `∂V*/∂q = −F*` the generalized force F where only ignorable coordinates move. In the norm
+//! `‖(δq, δπ)‖² = δqᵀM δq/τ² + δπᵀM⁻¹δπ`, τ the time scale of the motion, the smallest change that restores H is along
+//! `(−τ² M⁻¹F*, M̃ q̇)`, where π is taken along with q so that its kinetic energy stays, as that of a free motion does:
+//! half by itself, and half as M̃ q̇ of the same q̇. (With p as it is, forces of inertia would be among F, which are
+//! large for a body that is light in one direction and turns in it.) For τ² the ratio of the largest `q̇ᵀM q̇` to the
+//! largest `F*ᵀM⁻¹F*` seen in the run is taken, so neither units nor turning points (q̇ = 0) nor places without force
+//! matter. The whole of M, and not only its diagonal, makes the choice of coordinates not matter either: near a singular
+//! M a change along the diagonal would be large in the light direction.
 
 use super::newton::{largest, velocities};
 use super::{Interpolant, Method, Step};
@@ -211,10 +213,16 @@ impl<S: SimdScalar, const N: usize> Invariants<S, N> {
             if !iteration.goes_on() || iterations == MOST_ITERATIONS {
                 break;
             }
-            let (step, regular) = self.direction(system, &State { t, q, qd }, excess, iteration.on());
+            let (Change { fall, kick, far, less }, regular) =
+                self.direction(system, &State { t, q, qd }, excess, iteration.on());
             iteration.decide(|i| if regular.as_ref()[i] { Progress::On } else { Progress::Failed });
-            q = chosen(iteration.on(), &(q - step.q), &q);
-            p = chosen(iteration.on(), &(p - step.qd), &p);
+            let there = q + fall * far;
+            let free = without(Sys::FACTS.ignorable, system.inertia(&there, &qd, t));
+            let [held, moving] =
+                [velocities(system, &there, &p, t, &qd, h)?, qd].map(|qd| product(&free, &qd));
+            let moved = p - held + (kick + moving) * S::from_f64(0.5) - kick * less;
+            q = chosen(iteration.on(), &there, &q);
+            p = chosen(iteration.on(), &moved, &p);
         }
         if iteration.failed() {
             return Err(lost);
@@ -222,8 +230,8 @@ impl<S: SimdScalar, const N: usize> Invariants<S, N> {
         Ok((State { t, q: best.q, qd: iteration.result(&best.qd) }, iterations))
     }
 
-    /// The smallest (δq, δp) that changes the energy by `excess`, to first order, in these places; and where there is
-    /// one, for there is none where its gradient vanishes.
+    /// The smallest change that takes `excess` off the energy, to first order, in these places; and where there is one,
+    /// for there is none where its gradient vanishes.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn direction<Sys: Conservative<N, Scalar = S>>(
         &mut self,
@@ -231,12 +239,13 @@ impl<S: SimdScalar, const N: usize> Invariants<S, N> {
         at: &State<S, N>,
         excess: S,
         places: &S::PerLane<bool>,
-    ) -> (Tangent<S, N>, S::PerLane<bool>) {
+    ) -> (Change<S, N>, S::PerLane<bool>) {
         let State { t, q, qd } = at;
-        let force = system.momentum_rate(q, qd, *t);
         let inertia = system.inertia(q, qd, *t);
-        let fall = factored(&inertia).solve(&force);
+        let factors = factored(&inertia);
         let kick = product(&without(Sys::FACTS.ignorable, inertia), qd);
+        let force = system.momentum_rate(q, &(qd - factors.solve(&kick)), *t);
+        let fall = factors.solve(&force);
         let [kinetic, dynamic, free] = [dot(&product(&inertia, qd), qd), dot(&force, &fall), dot(&kick, qd)];
         let most = |a: S, b: S| {
             let [old, new] = [a.magnitudes().apart(), b.magnitudes().apart()];
@@ -250,8 +259,8 @@ impl<S: SimdScalar, const N: usize> Invariants<S, N> {
             (self.kinetic, S::select(Comparison::Equal, self.dynamic, S::zero(), S::one(), self.dynamic));
         let slope = a * dynamic + b * free;
         let factor = excess / slope;
-        let change = Tangent { q: fall * (-a * factor), qd: kick * (b * factor) };
-        let sizes = (largest(&change.q) + largest(&change.qd)).apart();
+        let change = Change { fall, kick, far: a * factor, less: b * factor };
+        let sizes = (largest(&(fall * change.far)) + largest(&(kick * change.less))).apart();
         let [slope, factor] = [slope.apart(), factor.apart()];
         let regular = S::each(|i| {
             let [slope, factor] = [&slope, &factor].map(|x| x.as_ref()[i].to_f64());
@@ -259,6 +268,15 @@ impl<S: SimdScalar, const N: usize> Invariants<S, N> {
         });
         (change, regular)
     }
+}
+
+/// Displacement `far` times the direction in which coordinates fall, and `less` of the momenta that they have beside
+/// those that are ignorable.
+struct Change<S, const N: usize> {
+    fall: SVector<S, N>,
+    kick: SVector<S, N>,
+    far: S,
+    less: S,
 }
 
 /// The inertia that is left when coordinates are eliminated whose momenta stay: the Schur complement, with zeros in
