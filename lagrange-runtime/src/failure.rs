@@ -434,6 +434,16 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                 "an integrand is not finite within the step of size {h:?} from t = {t:?}, or changes too fast there to be integrated; try \
                  an end before the pole, or an integrand without noise"
             ),
+            // Of one attitude they have one name.
+            Failure::SingularInertia { t, coordinate, with: Some(with) }
+                if with.name == coordinate.name && !with.name.is_empty() =>
+            {
+                write!(
+                    f,
+                    "at t = {t:?} the inertia matrix is singular among the parameters of {coordinate}; give what it turns a moment of \
+                     inertia about every axis"
+                )
+            }
             Failure::SingularInertia { t, coordinate, with: Some(with) } => write!(
                 f,
                 "at t = {t:?} the inertia matrix is singular: the coordinates {with} and {coordinate} move alike there, and cannot be told \

@@ -125,4 +125,17 @@ pub mod length_on_top {
     pub fn main() {}
 }
 
+pub mod rates_and_elements_of_a_rotation {
+    use lagrange_runtime::prelude::*;
+    lagrangian! {
+        system Turned {
+            coord R: rotation;
+            let hub = frame(world, [0, 0, 0], R);
+            T = body(1, [1, 1, 1], hub);
+            V = R[2];
+            rate(R) = 1;
+        }
+    }
+}
+
 fn main() {}

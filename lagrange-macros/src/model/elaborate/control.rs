@@ -263,6 +263,12 @@ impl Elaborator<'_> {
             Val::Array(items) => items,
             other => {
                 let help = match other {
+                    Val::Rotation(_) => {
+                        format!(
+                            "an axis of what it turns has them: write `({} * [1, 0, 0])[0]`",
+                            plain(&index.expr)
+                        )
+                    }
                     Val::Frame(_) => "the coordinates of its origin are `link.origin()[0]` and so on".into(),
                     _ if matches!(&*index.index, Expr::Path(t) if t.path.is_ident("t")) => {
                         let name = plain(&index.expr);

@@ -739,6 +739,12 @@ impl Elaborator<'_> {
                 );
                 Err(self.errors.push(expression, message))
             }
+            (Some(Entry::Rotation { .. }), _) => {
+                let message = format!(
+                    "`{text}` is a coordinate: its angular velocity is `dot({text})`, and its acceleration follows from the energies\nhelp: a torque on a body is `couple [mx, my, mz] on frame;`"
+                );
+                Err(self.errors.push(expression, message))
+            }
             _ if self.scope.unread.contains_key(&text) => Err(Reported),
             _ => {
                 let states: Vec<String> = self.found.states.iter().map(|s| s.name.to_string()).collect();

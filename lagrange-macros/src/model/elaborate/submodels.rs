@@ -260,7 +260,7 @@ impl Elaborator<'_> {
         let text = plain(base);
         let message = match (known, index) {
             (Some(Entry::Rotation { .. }), _) => format!(
-                "`{text}` is a rotation, which is not held\nhelp: write a system of its own, with a frame that does not turn"
+                "`{text}` is a rotation, and only coordinates that are numbers are held or expanded\nhelp: write a system of its own, with a frame that does not turn"
             ),
             _ if self.length_of_direction(&text).is_some() => format!(
                 "`{text}` is a direction, whose components are not held one by one\nhelp: write a system of its own, with an angle"
