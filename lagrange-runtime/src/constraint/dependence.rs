@@ -3,10 +3,10 @@
 use super::branches::undetermined;
 use super::{Constrained, responses};
 use crate::diagnosis::{BRINK, MAX_MATRIX_BYTES, away, beside};
-use crate::failure::{Cause, Dependence, Failure};
+use crate::failure::{Cause, Coordinate, Dependence, Failure};
 use crate::linear::{dot, ldlt};
 use crate::scalar::{Functions, Real, Scalar};
-use crate::state::State;
+use crate::state::{State, constant};
 use nalgebra::{SMatrix, SVector};
 
 /// Square of the sine of the smallest angle between the gradient of a constraint and the span of the others, in the
@@ -351,11 +351,54 @@ where
     Sys::Scalar: Real,
 {
     crate::diagnosis::resolved(system, start, at)?;
+    if start == at
+        && let Some(k) = weightless(system, at)
+    {
+        let coordinate = Coordinate::of::<Sys, N>(k);
+        return Err(Failure::SingularInertia { t: at.t, coordinate, with: None });
+    }
     match dependence(system, start, at, &beside(at, 0.0), BRINK) {
         Some(dependence) => Err(singular(system, start, at, dependence)),
         None => Ok(()),
     }
 }
+
+/// The coordinate whose inertia is lost to rounding beside that of others, if there is one: the response to given rates
+/// of the constraints, which is found as accelerations are, has other rates. Inertia is compared with the gradients of
+/// constraints, whatever the units.
+fn weightless<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+) -> Option<usize>
+where
+    Sys::Scalar: Real,
+{
+    let State { t, q, qd } = at;
+    let inertia = system.inertia(q, qd, *t);
+    let gradients = system.constraint_jacobian(q, *t);
+    let steepness = |i: usize| (0..M).map(|j| gradients[(j, i)].to_f64().powi(2)).sum::<f64>();
+    // Velocities of all coordinates that the constraints hold, of one size by their rates.
+    let velocities = SVector::<_, N>::from_fn(|i, _| match steepness(i) {
+        0.0 => Scalar::zero(),
+        square => Scalar::from_f64((1.0 + 0.618 * (i % 7) as f64) / libm::sqrt(square)),
+    });
+    let rates_of = |v: &SVector<Sys::Scalar, N>| {
+        SVector::<_, M>::from_fn(|j, _| (0..N).fold(Scalar::zero(), |sum, i| sum + gradients[(j, i)] * v[i]))
+    };
+    let rates = rates_of(&velocities);
+    let found = system.response(q, qd, *t, &constant(Scalar::zero()), &rates).0;
+    let off = rates_of(&found) - rates;
+    let is_off = |j: usize| {
+        let terms = |i: usize| (gradients[(j, i)] * velocities[i]).to_f64().abs();
+        off[j].to_f64().abs() > WEIGHTLESS * (0..N).map(terms).fold(0.0, f64::max)
+    };
+    let lightness = |i: usize| steepness(i) / inertia[(i, i)].to_f64().abs();
+    let lightest = || (0..N).max_by(|&i, &k| lightness(i).total_cmp(&lightness(k)));
+    (0..M).any(is_off).then(lightest).flatten()
+}
+
+/// Relative error of the rates of constraints at which accelerations mean nothing.
+const WEIGHTLESS: f64 = 1e-6;
 
 /// The brink of a dependence in a run whose steps drift from the constraints however short they are, or that did not
 /// get across: rounding does that alone, in units of the last place over the angle between gradients.
