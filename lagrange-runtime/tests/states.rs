@@ -651,7 +651,8 @@ mod analysis {
 }
 
 lagrangian! {
-    /// Two bodies of unequal masses, of which one is hung from the other, and the current of a motor that turns neither.
+    /// Two bodies of unequal masses, of which one is hung from the other, and the current of a motor that turns
+    /// neither.
     system Hit {
         param m = 2, l = 0.5;
         coord x, theta: angle;

@@ -213,8 +213,8 @@ lagrangian! {
     }
 }
 
-/// On the wire y = x the multiplier is −4.905/x, since the gradient vanishes where the wires cross: no number near there,
-/// and none at it.
+/// On the wire y = x the multiplier is −4.905/x, since the gradient vanishes where the wires cross: no number near
+/// there, and none at it.
 #[test]
 fn loads_where_a_gradient_vanishes_are_no_numbers() {
     for x in [0.0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 0.3, -1e-12, -0.3] {

@@ -1,6 +1,6 @@
-//! Stops in, and beside, the line of a parallelogram: the state at which a run ends there is on the branch of its motion,
-//! whatever stands between it and the line, and so is what goes on from it. The reference is the same motion in one
-//! coordinate.
+//! Stops in, and beside, the line of a parallelogram: the state at which a run ends there is on the branch of its
+//! motion, whatever stands between it and the line, and so is what goes on from it. The reference is the same motion
+//! in one coordinate.
 
 use super::*;
 use lagrange_runtime::analysis::{AnalysisError, Equilibrium, StateSpace, equilibria};
@@ -142,8 +142,8 @@ fn searches_for_equilibria_pass_the_line() {
 /// (m₁ + m₃) l²/3 + m₂ l².
 const MASS: f64 = 3.4 * 0.49 / 3.0 + 0.8 * 0.49;
 
-/// A crank that is so light that rounding is all that is left of its inertia is told, and one that costs no digits is not:
-/// which of them it is depends on the order in which accelerations are found.
+/// A crank that is so light that rounding is all that is left of its inertia is told, and one that costs no digits is
+/// not: which of them it is depends on the order in which accelerations are found.
 #[test]
 fn light_cranks_are_right_or_told() {
     let mut told = 0;

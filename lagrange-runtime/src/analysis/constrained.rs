@@ -345,8 +345,8 @@ pub(super) fn balanced(
             let held = whole(&reached.into_inner())?.held;
             return Err(nearly_dependent(&held, &at_guess, weights, SINGULAR).unwrap_or(error));
         }
-        // What is left is a violation of a constraint that no displacement changes, or, if gradients are nearly dependent
-        // on the way, little more than rounding.
+        // What is left is a violation of a constraint that no displacement changes, or, if gradients are nearly
+        // dependent on the way, little more than rounding.
         Err(AnalysisError::Unbalanced { force, coordinate }) if coordinate.index >= n => {
             let (constraint, violation) = (all[coordinate.index - n].of.name, force / unit);
             if violation > BESIDE {

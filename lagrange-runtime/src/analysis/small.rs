@@ -18,7 +18,7 @@ const ROUNDING: f64 = 256.0 * f64::EPSILON;
 /// Displacement, relative to `1 + |q|`, up to whose effect forces may be left at a steady motion.
 const UNSTEADY: f64 = 1e-6;
 
-/// What an instant without accelerations lacks.
+/// Hypothesis that an instant without accelerations does not fulfil.
 const STEADY: &str = "a motion along which accelerations stay 0, and are not so for an instant, as those of an attitude \
                       that turns";
 

@@ -171,9 +171,9 @@ where
         dense
     }
 
-    /// The interpolant of a step past a state at which constraints are dependent: that of a step across, which ends where
-    /// this one does. Stages of an interpolant may be so near to such a state that their accelerations mean nothing, though
-    /// those of the step are not.
+    /// The interpolant of a step past a state at which constraints are dependent: that of a step across, which ends
+    /// where this one does. Stages of an interpolant may be so near to such a state that their accelerations mean
+    /// nothing, though those of the step are not.
     #[cold]
     #[inline(never)]
     fn interpolant_past(&mut self, system: &Sys, step: &Step<Sys, M, N>) -> Option<M::Interpolant> {

@@ -42,8 +42,8 @@ const THETA: f64 = 5.371920351148152;
 const SMALL_THETA: f64 = 1.25;
 
 /// Radians and decays in a step from which its rounding is looked at, the part of the largest entry of a column of the
-/// propagator that may be rounding, and the size of this below which all has decayed. Rounding damps, too: a decay counts
-/// only in a step so short that its radians and decays times ε are no more than that part.
+/// propagator that may be rounding, and the size of this below which all has decayed. Rounding damps, too: a decay
+/// counts only in a step so short that its radians and decays times ε are no more than that part.
 const LONG: f64 = 1e4;
 const LOST: f64 = 1e-4;
 const DECAYED: f64 = 1e-6;
@@ -88,8 +88,8 @@ const DECAYED: f64 = 1e-6;
 ///     }
 /// }
 /// let start = State::new(0.0, [1.0], [0.0]);
-/// let end = integrate(&Oscillator::new(2.0), MatrixExponential, FixedStep::new(50.0), start).until(50.0).final_state()?;
-/// assert!((end.q[0] - 100.0f64.cos()).abs() < 1e-13);
+/// let end = integrate(&Oscillator::new(2.0), MatrixExponential, FixedStep::new(50.0),
+/// start).until(50.0).final_state()?; assert!((end.q[0] - 100.0f64.cos()).abs() < 1e-13);
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

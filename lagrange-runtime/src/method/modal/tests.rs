@@ -177,8 +177,8 @@ lagrangian! {
     }
 }
 
-/// Rounding damps and drives oscillations over so many turns, whether something else grows or all seems to decay: 38 for
-/// 0.3 and 8e-33 for 0.9 were results.
+/// Rounding damps and drives oscillations over so many turns, whether something else grows or all seems to decay: 38
+/// for 0.3 and 8e-33 for 0.9 were results.
 #[test]
 fn rounding_that_looks_like_a_decay_or_hides_is_told() {
     let mut refused = 0;

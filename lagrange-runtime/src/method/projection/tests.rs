@@ -169,8 +169,8 @@ lagrangian! {
     }
 }
 
-/// What turns in a direction in which it is light stays as right as by the method inside: its spin is constant, and that of
-/// a body of inertia 1e-6 had become 8 for 3.
+/// A body that is light in one direction turns as by the method inside alone: its spin is constant, and
+/// that of a body of inertia 1e-6 had become 8 for 3.
 #[test]
 fn light_directions_are_not_what_pays() {
     for c in [1.0, 1e-2, 1e-4, 1e-6, 1e-8] {
