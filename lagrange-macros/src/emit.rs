@@ -596,15 +596,17 @@ impl Emitter<'_> {
 
     /// The methods that are chosen, by the facts of the system and whether velocities follow from momenta.
     fn choices(&self, momenta: bool) -> TokenStream {
-        let Derived { model: Model { name, runtime, .. }, equations, .. } = self.d;
+        let Derived { model: Model { name, runtime, attitudes, .. }, equations, .. } = self.d;
         let (n, facts) = (self.n(), &equations.facts);
+        // (Energies drift with each change of an attitude's parameters.)
+        let bounded = momenta && equations.formed.rows.is_empty() && attitudes.is_empty();
         choices(
             &quote!(impl<S: #runtime::Real> #runtime::choice::RecommendedMethods<#n> for #name<S>),
             runtime,
             equations.analytic(),
             facts.separable,
             facts.linear && facts.conservative && facts.autonomous,
-            momenta && equations.formed.rows.is_empty(),
+            bounded,
         )
     }
 

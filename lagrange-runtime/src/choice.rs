@@ -107,10 +107,11 @@ table! {
         "`LongTime`", "separable",
         "it is symplectic, explicit since T(q̇) + V(q) splits, and far better than Verlet at a sixth of the step";
     Gauss4 = Gauss4, "FixedStep::new";
-        "`LongTime`", "L quadratic in q̇, no constraints", "it is symplectic for every Lagrangian with momenta";
+        "`LongTime`", "L quadratic in q̇, no constraints, no rotations",
+        "it is symplectic for every Lagrangian with momenta";
     Dop853 = Dop853, "FixedStep::new";
         "`LongTime`", "any other",
-        "without velocities from momenta no method keeps the structure; order 8 drifts least";
+        "no method bounds the energy without velocities from momenta, or of attitudes; order 8 drifts least";
     Rodas5P = Rodas5P, "PiController::tolerance";
         "`Stiff`, 1e-7 or coarser", "any", "its steps do not follow the fastest rates, and need no iteration";
     Radau5 = Radau5, "PiController::tolerance";
@@ -201,7 +202,8 @@ pub type Fine<const ANALYTIC: bool, const SEPARABLE: bool> = If<ANALYTIC, Taylor
 /// [`RecommendedMethods::FineControl`] by facts.
 pub type FineControl<const ANALYTIC: bool> = If<ANALYTIC, TaylorController, PiController>;
 
-/// [`RecommendedMethods::Geometric`] by facts: linear and conservative, separable, momenta of independent coordinates.
+/// [`RecommendedMethods::Geometric`] by facts: linear and conservative, separable, momenta of independent coordinates that are no
+/// attitudes.
 pub type Geometric<const EXACT: bool, const SEPARABLE: bool, const MOMENTA: bool> =
     If<EXACT, MatrixExponential, If<SEPARABLE, BlanesMoan4, If<MOMENTA, Gauss4, Dop853>>>;
 

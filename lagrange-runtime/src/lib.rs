@@ -72,8 +72,8 @@
 //! | `Accuracy` | any other | [`Verner9`] | order 9 is as quick as order 8 at 1e-6, takes three quarters of its time for the last digits, and has smaller errors |
 //! | `LongTime` | linear, conservative | [`MatrixExponential`] | it is exact at any step |
 //! | `LongTime` | separable | [`BlanesMoan4`] | it is symplectic, explicit since T(q̇) + V(q) splits, and far better than Verlet at a sixth of the step |
-//! | `LongTime` | L quadratic in q̇, no constraints | [`Gauss4`] | it is symplectic for every Lagrangian with momenta |
-//! | `LongTime` | any other | [`Dop853`] | without velocities from momenta no method keeps the structure; order 8 drifts least |
+//! | `LongTime` | L quadratic in q̇, no constraints, no rotations | [`Gauss4`] | it is symplectic for every Lagrangian with momenta |
+//! | `LongTime` | any other | [`Dop853`] | no method bounds the energy without velocities from momenta, or of attitudes; order 8 drifts least |
 //! | `Stiff`, 1e-7 or coarser | any | [`Rodas5P`] | its steps do not follow the fastest rates, and need no iteration |
 //! | `Stiff` | any | [`Radau5`] | its steps do not follow the fastest rates, and its errors are the smaller ones |
 //!

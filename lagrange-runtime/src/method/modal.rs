@@ -88,8 +88,8 @@ const DECAYED: f64 = 1e-6;
 ///     }
 /// }
 /// let start = State::new(0.0, [1.0], [0.0]);
-/// let end = integrate(&Oscillator::new(2.0), MatrixExponential, FixedStep::new(50.0),
-/// start).until(50.0).final_state()?; assert!((end.q[0] - 100.0f64.cos()).abs() < 1e-13);
+/// let end = integrate(&Oscillator::new(2.0), MatrixExponential, FixedStep::new(50.0), start).until(50.0).final_state()?;
+/// assert!((end.q[0] - 100.0f64.cos()).abs() < 1e-13);
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

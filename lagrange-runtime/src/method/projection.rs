@@ -4,17 +4,16 @@
 //! base method the state goes to the manifold on which the invariants have their values of the start, by the smallest
 //! change in a norm. Since the change is of the size of the local error, the order stays.
 //!
-//! It is made in (q, p), where an ignorable momentum is an invariant itself and just set. What is left of the momenta,
-//! `π = M̃ q̇` with M̃ the inertia matrix M without the ignorable coordinates, is that of the motion beside them:
+//! It is made in (q, p), where an ignorable momentum is an invariant itself and just set. The momenta that are left,
+//! `π = M̃ q̇` with M̃ the inertia matrix M without the ignorable coordinates, are those of the motion beside them:
 //! `H = ½ q̇ᵀ M̃ q̇ + V*(q)`, with `∂V*/∂q = −F*` the generalized force F where only ignorable coordinates move. In
-//! the norm
-//! `‖(δq, δπ)‖² = δqᵀM δq/τ² + δπᵀM⁻¹δπ`, τ the time scale of the motion, the smallest change that restores H is along
-//! `(−τ² M⁻¹F*, M̃ q̇)`, where π is taken along with q so that its kinetic energy stays, as that of a free motion does:
-//! half by itself, and half as M̃ q̇ of the same q̇. (With p as it is, forces of inertia would be among F, which are
-//! large for a body that is light in one direction and turns in it.) For τ² the ratio of the largest `q̇ᵀM q̇` to the
-//! largest `F*ᵀM⁻¹F*` seen in the run is taken, so neither units nor turning points (q̇ = 0) nor places without force
-//! matter. The whole of M, and not only its diagonal, makes the choice of coordinates not matter either: near a
-//! singular M a change along the diagonal would be large in the light direction.
+//! the norm `‖(δq, δπ)‖² = δqᵀM δq/τ² + δπᵀM⁻¹δπ`, τ the time scale of the motion, the smallest change that restores
+//! H is along `(−τ² M⁻¹F*, M̃ q̇)`, where π is taken along with q so that its kinetic energy stays, as that of a free
+//! motion does: half by itself, and half as M̃ q̇ of the same q̇. (With p as it is, forces of inertia would be among
+//! F, which are large for a body that is light in one direction and turns in it.) For τ² the ratio of the largest
+//! `q̇ᵀM q̇` to the largest `F*ᵀM⁻¹F*` seen in the run is taken, so neither units nor turning points (q̇ = 0) nor
+//! places without force matter. The whole of M, and not only its diagonal, makes the choice of coordinates not matter
+//! either: near a singular M a change along the diagonal would be large in the light direction.
 
 use super::newton::{largest, velocities};
 use super::{Interpolant, Method, Step};
