@@ -53,7 +53,7 @@
 //! | the same where some oscillations are faster than the steps | [`VariationalMidpoint`] | [`FixedStep`] |
 //! | stiff systems: strong damping, stiff springs | [`Rodas5P`], [`Radau5`] | [`PiController`] with 1e-3 to 1e-9 |
 //! | linear systems with constant coefficients, exactly | [`MatrixExponential`] | [`FixedStep`] |
-//! | energy and conserved momenta to rounding, with adaptive steps | [`Projection`]`(Dop853)` | [`PiController`] |
+//! | energy and momenta of ignorable coordinates to rounding, with adaptive steps | [`Projection`]`(Dop853)` | [`PiController`] |
 //!
 //! Symplectic methods keep the energy bounded only with equal steps, so they take [`FixedStep`] and nothing else: a
 //! method without an error estimate under an adaptive controller is a compile error, and so is [`Verlet`] on a system

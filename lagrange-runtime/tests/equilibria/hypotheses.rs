@@ -336,7 +336,7 @@ fn loads_balance_but_for_rounding() {
     for [f, g, h] in
         [[0.1, 0.2, -0.3], [0.3, -0.4, 0.1], [100.1, 200.2, -300.3], [0.5, 0.25, -0.75], [0.1, 0.0, -0.1]]
     {
-        let system = Afloat::new([f, g, h].into());
+        let system = Afloat::new([f, g, h]);
         let rest = [0.0, -f / 10.0, -f / 10.0 + h / 7.0];
         let found = equilibrium(&system, &[0.3, 0.1, -0.2]).unwrap();
         assert!((found.q[1] - found.q[0] - rest[1]).abs() < 1e-14 * (1.0 + f), "{found:?}");
@@ -345,7 +345,7 @@ fn loads_balance_but_for_rounding() {
             assert!((found - exact).abs() < 1e-13, "{squares:?}");
         }
         for share in [1e-6, 1e-12] {
-            let system = Afloat::new([f, g, h + share * f].into());
+            let system = Afloat::new([f, g, h + share * f]);
             assert!(
                 matches!(equilibrium(&system, &rest), Err(AnalysisError::Unbalanced { .. })),
                 "{f} {share}"
