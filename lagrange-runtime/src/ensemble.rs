@@ -126,7 +126,9 @@ pub use indices::{Index, Indices, SobolIndices};
 pub use integration::{Candidate, Integration, Integrations};
 pub use lanes::LaneStudy;
 pub use model::{ClosedForm, Evaluated, LaneSimulation, Mapped, Model, Simulation};
-pub use multifidelity::{Allocation, FailedEvaluation, Multifidelity, MultifidelityEstimate, Pilot};
+pub use multifidelity::{
+    Allocation, FailedEvaluation, Multifidelity, MultifidelityEstimate, Pilot, QuantileEstimate,
+};
 pub use normal::normal_quantile;
 #[cfg(feature = "parquet")]
 pub use parquet::Parquet;

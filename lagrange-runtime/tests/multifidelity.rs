@@ -544,3 +544,129 @@ fn rare_differences_are_waited_for() {
         assert!((sum / 200.0 - exact).abs() < 0.2 * half_width, "{}", sum / 200.0);
     }
 }
+
+/// A normal number with noise, of variance 1.09, and the number itself at a hundredth of the cost.
+macro_rules! noisy {
+    ($seed:expr, $noise:expr, $pilot:expr) => {{
+        let noise = $noise;
+        let full = ClosedForm::new(move |mut rng: Generator| -> f64 {
+            let [x, e]: [f64; 2] = core::array::from_fn(|_| StandardNormal.sample(&mut rng));
+            x + noise * e
+        });
+        let cheap =
+            ClosedForm::new(|mut rng: Generator| -> f64 { StandardNormal.sample(&mut rng) }).cost(0.01);
+        Multifidelity::new(Random::seed($seed), 100_000_000, full, cheap).pilot_samples($pilot)
+    }};
+}
+
+/// Quantiles of the normal distribution of variance 1 at 0.5, 0.9 and 0.05, and samples of a pilot that sees the models
+/// differ.
+const NORMAL: [(f64, f64, u64); 3] =
+    [(0.5, 0.0, 512), (0.9, 1.2815515655446004, 1024), (0.05, -1.6448536269514729, 2048)];
+
+#[test]
+fn intervals_cover_quantiles_and_cost_less() {
+    for (p, z, pilot) in NORMAL {
+        let (exact, mut covered, mut part) = (z * 1.09f64.sqrt(), [0; 2], 0.0);
+        for seed in 0..400 {
+            let study = noisy!(seed, 0.3, pilot).threads(1);
+            let budget = 1.01 * pilot as f64 + 1000.0;
+            let found = [study.quantile_to_half_width(p, 0.08), study.quantile_within_budget(p, budget)];
+            for (found, covered) in found.into_iter().zip(&mut covered) {
+                let found = found.expect("a sound study");
+                let [low, high] = found.confidence_interval(0.95);
+                *covered += i32::from((low..=high).contains(&exact));
+                assert!(found.reached && low <= found.quantile() && found.quantile() <= high, "{found:?}");
+                part += found.samples[0] as f64 / found.plain_samples() / 800.0;
+            }
+        }
+        println!("{p}: {covered:?} of 400, {part:.3} of the full samples");
+        assert!(covered.iter().all(|hits| (368..=392).contains(hits)), "{p}: {covered:?}");
+        assert!(part < 0.7, "{p}: {part}");
+    }
+}
+
+/// A cheap model that knows nothing gains nothing, and the quantile is that of the full model alone, by ranks.
+#[test]
+fn quantiles_without_a_gain_are_those_of_the_full_model() {
+    let full = |mut rng: Generator| -> f64 { Exp1.sample(&mut rng) };
+    let cheap = |mut rng: Generator| -> f64 {
+        let [_, y]: [f64; 2] = core::array::from_fn(|_| Exp1.sample(&mut rng));
+        y
+    };
+    let mut covered = 0;
+    for seed in 0..400 {
+        let study = Multifidelity::new(
+            Random::seed(seed),
+            1 << 20,
+            ClosedForm::new(full),
+            ClosedForm::new(cheap).cost(0.1),
+        );
+        let found = study.threads(1).quantile_to_half_width(0.75, 0.1).expect("a sound study");
+        assert!(found.pilot.gain.is_none() && found.samples[1] == 0);
+        let [low, high] = found.confidence_interval(0.95);
+        covered += i32::from((low..=high).contains(&4f64.ln()));
+    }
+    println!("{covered} of 400");
+    assert!((368..=392).contains(&covered), "{covered}");
+}
+
+#[test]
+fn quantiles_are_the_same_by_threads_and_by_models_that_agree() {
+    let by = |threads| {
+        noisy!(3, 0.3, 512).threads(threads).quantile_to_half_width(0.9, 0.02).expect("a sound study")
+    };
+    let one = by(1);
+    for threads in [2, 5] {
+        assert_eq!(by(threads), one, "{threads} threads");
+    }
+    // Interrupted, too.
+    let path = std::env::temp_dir().join(format!("lagrange-quantile-{}", std::process::id()));
+    let mut stops = 0;
+    let done = loop {
+        let rounds = Cell::new(0);
+        let study =
+            noisy!(3, 0.3, 512).threads(1 + stops % 2).checkpoint(&path, Duration::ZERO).progress(|_| {
+                rounds.set(rounds.get() + 1);
+                assert!(rounds.get() < 2, "stop");
+            });
+        match catch_unwind(AssertUnwindSafe(|| study.quantile_to_half_width(0.9, 0.02))) {
+            Ok(estimate) => break estimate.expect("a sound study"),
+            Err(_) => stops += 1,
+        }
+    };
+    assert!(stops > 1 && done == one, "{stops}");
+    // The quantile of 0.8 is another study.
+    assert!(noisy!(3, 0.3, 512).checkpoint(&path, Duration::ZERO).quantile_to_half_width(0.8, 0.02).is_err());
+    let _ = std::fs::remove_file(&path);
+    // Of models that always agree the difference is not known, and there is no gain to be had from it.
+    let same = noisy!(4, 0.0, 512).threads(1).quantile_within_budget(0.5, 5000.0).expect("a sound study");
+    let [low, high] = same.confidence_interval(0.95);
+    assert!(low < 0.0 && 0.0 < high && high - low < 0.2, "{low} {high}");
+}
+
+#[test]
+fn quantiles_that_make_no_sense_are_refused() {
+    let refused = |p: f64, half_width: f64| {
+        let error = noisy!(1, 0.3, 512).quantile_to_half_width(p, half_width).expect_err("no study");
+        error.to_string()
+    };
+    for p in [0.0, 1.0, -0.1, 1.5, f64::NAN] {
+        assert!(refused(p, 0.1).contains("between 0 and 1"), "{p}: {}", refused(p, 0.1));
+    }
+    for half_width in [0.0, -1.0, f64::NAN] {
+        refused(0.5, half_width);
+    }
+    assert!(refused(0.999, 0.1).contains(".pilot_samples(8000)"), "{}", refused(0.999, 0.1));
+    let few = noisy!(1, 0.3, 512).quantile_within_budget(0.5, 10.0).expect_err("no budget").to_string();
+    assert!(few.contains("does not suffice"), "{few}");
+    // An end that samples do not bound is infinite, and the half-width not reached.
+    let short = Multifidelity::new(
+        Random::seed(1),
+        1024,
+        ClosedForm::new(|mut rng: Generator| -> f64 { Exp1.sample(&mut rng) }),
+        ClosedForm::new(|mut rng: Generator| -> f64 { Exp1.sample(&mut rng) }),
+    );
+    let found = short.pilot_samples(896).quantile_to_half_width(0.99, 0.01).expect("a sound study");
+    assert!(!found.reached && found.confidence_interval(0.999)[1] == f64::INFINITY, "{found:?}");
+}

@@ -86,6 +86,15 @@ pub fn statics(
             return Err(format!("`{}` would follow {what}, and jump with it", label(k)));
         }
     }
+    let of_attitude = |i: usize| model.attitudes.iter().any(|a| (a.first..a.first + 3).contains(&i));
+    let turns = |s: Symbol| matches!(s, Symbol::Coordinate(i) if of_attitude(i));
+    if let Some(k) = (0..x.len()).find(|k| g.depends(&[solution[*k]], turns)) {
+        // (Equations of bodies are those of angular velocities, which parameters of their own have no part in.)
+        return Err(format!(
+            "`{0}` would follow a rotation, which equations of bodies know by its angular velocity alone: write another system, with `let {0} = …;` in the place of the coordinate",
+            label(k)
+        ));
+    }
     let solution = super::common::shortest(g, model.coordinates.len(), &solution);
     // In the symbols of the whole system.
     let mut all = whole.graph.clone();

@@ -118,7 +118,7 @@ impl Source<'_> {
         let slow = moves.iter().any(|m| matches!(m.change, Change::Quasistatic(_) | Change::Average(_)));
         if cost(&small) > cost(self.whole) && !slow {
             let message = format!(
-                "this system costs more than the whole one: {} operations, each weighted by its time, and not {}\nhelp: expand to a lower order, or not at all",
+                "this system costs more than the whole one: {} operations, each weighted by its time, and not {}\nhelp: expand to a lower order, or leave out the move that makes it longer",
                 cost(&small),
                 cost(self.whole)
             );

@@ -15,7 +15,11 @@ use core::fmt;
 use core::ops::Range;
 use std::sync::OnceLock;
 
-/// Mean of a model's output with a cheap model as control variate: multifidelity Monte Carlo (Peherstorfer, Willcox
+mod quantile;
+
+pub use quantile::QuantileEstimate;
+
+/// Mean, or quantile, of a model's output with a cheap model as control variate: multifidelity Monte Carlo (Peherstorfer, Willcox
 /// and Gunzburger, *SIAM J. Sci. Comput.* 38, 2016, section 3).
 ///
 /// The full model f is run for n samples, the cheap one g for these and for more, m in all. The estimator
@@ -484,11 +488,17 @@ struct ToGoal<'a> {
 }
 
 impl ToGoal<'_> {
-    fn pilot_of(&self, sums: &Sums) -> Result<Pilot, EnsembleError> {
-        let count = sums.pilot.count();
-        let work = sums.pilot_work.map(|work| work as f64 / (self.pilot * LEAF) as f64);
+    /// The pilot by its outputs, of which so many agree, and its work.
+    fn pilot_of(
+        &self,
+        outputs: &Covariances<2>,
+        agreeing: u64,
+        work: [u64; 2],
+    ) -> Result<Pilot, EnsembleError> {
+        let count = outputs.count();
+        let work = work.map(|work| work as f64 / (self.pilot * LEAF) as f64);
         let cost = [work[0] * self.unit_cost[0], work[1] * self.unit_cost[1]];
-        let pilot = Pilot::new(&sums.pilot, sums.agreeing[0], cost);
+        let pilot = Pilot::new(outputs, agreeing, cost);
         let [deviation, _] = pilot.standard_deviation;
         if count < 8 {
             let what = format!(
@@ -575,6 +585,35 @@ impl ToGoal<'_> {
     }
 }
 
+impl ToGoal<'_> {
+    /// The leaf at which to look again after those up to `next`, or `None` at the end: of `end` leaves, of a budget, or
+    /// where the goal `is_met`.
+    fn look_after(
+        &self,
+        next: u64,
+        end: u64,
+        pilot: &Pilot,
+        is_met: &dyn Fn() -> bool,
+    ) -> Result<Option<u64>, EnsembleError> {
+        let (mut look, is_last) = self.first_look(pilot)?;
+        let done = next - self.pilot;
+        if next >= end || is_last && done >= look {
+            return Ok(None);
+        }
+        let later = |look: u64| (look + 1).max((1.25 * look as f64).ceil() as u64);
+        while look < done {
+            look = later(look);
+        }
+        if look == done {
+            if is_met() {
+                return Ok(None);
+            }
+            look = later(look);
+        }
+        Ok(Some(self.pilot.saturating_add(look).min(end)))
+    }
+}
+
 impl Course<Sums> for ToGoal<'_> {
     fn next(&mut self, reached: &Reached<Sums>) -> Result<Option<u64>, EnsembleError> {
         if reached.next < self.pilot {
@@ -584,28 +623,15 @@ impl Course<Sums> for ToGoal<'_> {
         let pilot = match self.plan.get() {
             Some(pilot) => *pilot,
             None => {
-                let pilot = self.pilot_of(&sums)?;
+                let pilot = self.pilot_of(&sums.pilot, sums.agreeing[0], sums.pilot_work)?;
                 *self.plan.get_or_init(|| pilot)
             }
         };
-        let (mut look, is_last) = self.first_look(&pilot)?;
-        let done = reached.next - self.pilot;
-        if reached.next >= reached.end || is_last && done >= look {
-            return Ok(None);
-        }
-        while look < done {
-            look = (look + 1).max((1.25 * look as f64).ceil() as u64);
-        }
-        if look == done {
-            if let Goal::HalfWidth(half_width) = self.goal
-                && (pilot.gain.is_none() || are_frequent(sums.pairs.count(), sums.agreeing[1]))
-                && (0.0..=half_width).contains(&mean_of(&sums, &pilot).half_width(self.confidence))
-            {
-                return Ok(None);
-            }
-            look = (look + 1).max((1.25 * look as f64).ceil() as u64);
-        }
-        Ok(Some(self.pilot.saturating_add(look).min(reached.end)))
+        self.look_after(reached.next, reached.end, &pilot, &|| {
+            matches!(self.goal, Goal::HalfWidth(half_width)
+                if (pilot.gain.is_none() || are_frequent(sums.pairs.count(), sums.agreeing[1]))
+                    && (0.0..=half_width).contains(&mean_of(&sums, &pilot).half_width(self.confidence)))
+        })
     }
 }
 
@@ -711,8 +737,9 @@ where
         self.run(Goal::Budget(cost))
     }
 
-    fn run(&self, goal: Goal) -> Result<MultifidelityEstimate, EnsembleError> {
-        let Multifidelity { source, samples, full, cheap, confidence, settings, .. } = self;
+    /// Checks the study, and gives the numbers of its leaves and of those of the pilot.
+    fn checked(&self, goal: Goal) -> Result<[u64; 2], EnsembleError> {
+        let Multifidelity { source, samples, full, cheap, .. } = self;
         if *samples == 0 {
             return Err(EnsembleError::NoSamples);
         }
@@ -730,24 +757,37 @@ where
             );
             return Err(EnsembleError::Refused(what));
         }
-        let plan = OnceLock::new();
-        let how = ByModels { source, samples: *samples, full, cheap, pilot, plan: &plan };
-        let unit_cost = [full.unit_cost(), cheap.unit_cost()];
-        let mut course = ToGoal { goal, confidence: *confidence, pilot, unit_cost, plan: &plan };
-        let description = [
+        Ok([leaves, pilot])
+    }
+
+    /// What the checkpoint of a study says of it.
+    fn description(&self, pilot: u64, goal: String) -> [String; 6] {
+        let Multifidelity { source, samples, full, cheap, settings, .. } = self;
+        [
             format!("name: {}", settings.name),
             format!("source: {}", source.describe()),
             format!("samples: {samples}, in leaves of {LEAF}, {} in the pilot", pilot * LEAF),
             format!("full model: {}", full.describe(source.draw(0))),
             format!("cheap model: {}", cheap.describe(source.draw(0))),
-            format!("multifidelity: {goal:?}, confidence {confidence:?}"),
-        ];
+            goal,
+        ]
+    }
+
+    fn run(&self, goal: Goal) -> Result<MultifidelityEstimate, EnsembleError> {
+        let Multifidelity { source, samples, full, cheap, confidence, settings, .. } = self;
+        let [leaves, pilot] = self.checked(goal)?;
+        let plan = OnceLock::new();
+        let how = ByModels { source, samples: *samples, full, cheap, pilot, plan: &plan };
+        let unit_cost = [full.unit_cost(), cheap.unit_cost()];
+        let mut course = ToGoal { goal, confidence: *confidence, pilot, unit_cost, plan: &plan };
+        let description =
+            self.description(pilot, format!("multifidelity: {goal:?}, confidence {confidence:?}"));
         let (reached, failures) =
             settings.driver(*samples).drive(&how, &Summed, &description, 0..leaves, &mut course)?;
         let sums = merged(&Summed, reached.tree);
         let pilot = match plan.get() {
             Some(pilot) => *pilot,
-            None => course.pilot_of(&sums)?,
+            None => course.pilot_of(&sums.pilot, sums.agreeing[0], sums.pilot_work)?,
         };
         let (look, _) = course.first_look(&pilot)?;
         let used_up = reached.next == leaves && leaves - course.pilot < look;

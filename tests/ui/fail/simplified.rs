@@ -262,4 +262,22 @@ pub mod simplified_of_a_private_system {
     pub fn main() {}
 }
 
+// What follows a rotation.
+pub mod statics_of_a_rotation {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Sprung {
+            param k = 50;
+            coord R: rotation, s;
+            let hub = frame(world, [0, 0, 0], R);
+            T = body(1, [0.3, 0.4, 0.5], hub) + 0.5 * dot(s).powi(2);
+            V = 0.5 * k * s.powi(2) + 3 * s * hub.vector([0, 0, 1])[2];
+            pub simplified Slow: quasistatic s;
+        }
+    }
+
+    pub fn main() {}
+}
+
 fn main() {}
