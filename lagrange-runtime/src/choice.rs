@@ -202,8 +202,8 @@ pub type Fine<const ANALYTIC: bool, const SEPARABLE: bool> = If<ANALYTIC, Taylor
 /// [`RecommendedMethods::FineControl`] by facts.
 pub type FineControl<const ANALYTIC: bool> = If<ANALYTIC, TaylorController, PiController>;
 
-/// [`RecommendedMethods::Geometric`] by facts: linear and conservative, separable, momenta of independent coordinates that are no
-/// attitudes.
+/// [`RecommendedMethods::Geometric`] by facts: linear and conservative, separable, momenta of independent coordinates
+/// that are no attitudes.
 pub type Geometric<const EXACT: bool, const SEPARABLE: bool, const MOMENTA: bool> =
     If<EXACT, MatrixExponential, If<SEPARABLE, BlanesMoan4, If<MOMENTA, Gauss4, Dop853>>>;
 

@@ -19,8 +19,8 @@ mod quantile;
 
 pub use quantile::QuantileEstimate;
 
-/// Mean, or quantile, of a model's output with a cheap model as control variate: multifidelity Monte Carlo (Peherstorfer, Willcox
-/// and Gunzburger, *SIAM J. Sci. Comput.* 38, 2016, section 3).
+/// Mean, or quantile, of a model's output with a cheap model as control variate: multifidelity Monte Carlo
+/// (Peherstorfer, Willcox and Gunzburger, *SIAM J. Sci. Comput.* 38, 2016, section 3).
 ///
 /// The full model f is run for n samples, the cheap one g for these and for more, m in all. The estimator
 ///
@@ -760,7 +760,7 @@ where
         Ok([leaves, pilot])
     }
 
-    /// What the checkpoint of a study says of it.
+    /// The lines by which the checkpoint of a study is known.
     fn description(&self, pilot: u64, goal: String) -> [String; 6] {
         let Multifidelity { source, samples, full, cheap, settings, .. } = self;
         [

@@ -17,8 +17,8 @@ use std::sync::OnceLock;
 /// quantile, whose interval [`ConfidenceInterval`] gives.
 #[derive(Clone, Debug, PartialEq)]
 pub struct QuantileEstimate {
-    /// The pilot: correlation and standard deviations are those of the indicators `f ≤ y` and `g ≤ c`, where y and c are
-    /// the quantiles that the pilot has found.
+    /// The pilot: correlation and standard deviations are those of the indicators `f ≤ y` and `g ≤ c`, where y and c
+    /// are the quantiles that the pilot has found.
     pub pilot: Pilot,
     /// Samples of either model from which the estimate is made, without those of the pilot.
     pub samples: [u64; 2],
@@ -61,8 +61,8 @@ impl ConfidenceInterval for QuantileEstimate {
     }
 }
 
-/// Outputs of the full model in increasing order, of the samples in which the cheap one is up to its quantile and beyond
-/// it, and the probabilities of both: F̂ is the sum of their distributions with these weights.
+/// Outputs of the full model in increasing order, of the samples in which the cheap one is up to its quantile and
+/// beyond it, and the probabilities of both: F̂ is the sum of their distributions with these weights.
 #[derive(Clone, Debug, PartialEq)]
 struct Weighed {
     strata: [Vec<f64>; 2],
@@ -280,12 +280,13 @@ where
     F: Model<Src::Draw, Output = f64>,
     G: Model<Src::Draw, Output = f64>,
 {
-    /// The quantile of a probability p of the full model's output, with a confidence interval of this half-width at most.
+    /// The quantile of a probability p of the full model's output, with a confidence interval of this half-width at
+    /// most.
     ///
-    /// The indicator `g ≤ c` is the control variate of `f ≤ y` for all y at once, c being the quantile of g in the pilot.
-    /// With an indicator the best coefficient sorts the samples of f into two strata, whose probabilities the cheap model
-    /// tells (Hesterberg and Nelson, *Management Science* 44, 1998): F̂ is a distribution, and is inverted. The correlation
-    /// of the indicators decides what it gains, which is less than that of the outputs.
+    /// The indicator `g ≤ c` is the control variate of `f ≤ y` for all y at once, c being the quantile of g in the
+    /// pilot. With an indicator the best coefficient sorts the samples of f into two strata, whose probabilities the
+    /// cheap model tells (Hesterberg and Nelson, *Management Science* 44, 1998): F̂ is a distribution, and is
+    /// inverted. The correlation of the indicators decides what it gains, which is less than that of the outputs.
     ///
     /// The outputs of the full model are kept in memory, and in checkpoints.
     ///
@@ -303,19 +304,19 @@ where
     /// ```
     ///
     /// # Errors
-    /// As [`pilot`](Self::pilot); if p is not between 0 and 1, or the pilot has fewer than 8 samples on either side of the
-    /// quantile; and if the half-width or confidence makes no sense.
+    /// As [`pilot`](Self::pilot); if p is not between 0 and 1, or the pilot has fewer than 8 samples on either side
+    /// of the quantile; and if the half-width or confidence makes no sense.
     pub fn quantile_to_half_width(&self, p: f64, half_width: f64) -> Result<QuantileEstimate, EnsembleError> {
         HalfWidth::of(half_width).confidence(self.confidence).check()?;
         self.quantile(p, Goal::HalfWidth(half_width))
     }
 
-    /// The quantile of a probability p as well as it can be had at this cost, pilot included, in the unit of the models'
-    /// costs: see [`quantile_to_half_width`](Self::quantile_to_half_width).
+    /// The quantile of a probability p as well as it can be had at this cost, pilot included, in the unit of the
+    /// models' costs: see [`quantile_to_half_width`](Self::quantile_to_half_width).
     ///
     /// # Errors
-    /// Those of [`quantile_to_half_width`](Self::quantile_to_half_width); and if the budget does not suffice for more than
-    /// the pilot.
+    /// Those of [`quantile_to_half_width`](Self::quantile_to_half_width); and if the budget does not suffice for more
+    /// than the pilot.
     pub fn quantile_within_budget(&self, p: f64, cost: f64) -> Result<QuantileEstimate, EnsembleError> {
         HalfWidth::of(1.0).confidence(self.confidence).check()?;
         self.quantile(p, Goal::Budget(cost))
