@@ -376,11 +376,12 @@ where
     let State { t, q, qd } = at;
     let inertia = system.inertia(q, qd, *t);
     let gradients = system.constraint_jacobian(q, *t);
-    let steepness = |i: usize| (0..M).map(|j| gradients[(j, i)].to_f64().powi(2)).sum::<f64>();
+    let square = |x: f64| x * x;
+    let steepness = |i: usize| (0..M).map(|j| square(gradients[(j, i)].to_f64())).sum::<f64>();
     // Velocities of all coordinates that the constraints hold, of one size by their rates.
     let velocities = SVector::<_, N>::from_fn(|i, _| match steepness(i) {
         0.0 => Scalar::zero(),
-        square => Scalar::from_f64((1.0 + 0.618 * (i % 7) as f64) / libm::sqrt(square)),
+        steep => Scalar::from_f64((1.0 + 0.618 * (i % 7) as f64) / libm::sqrt(steep)),
     });
     let rates_of = |v: &SVector<Sys::Scalar, N>| {
         SVector::<_, M>::from_fn(|j, _| (0..N).fold(Scalar::zero(), |sum, i| sum + gradients[(j, i)] * v[i]))
