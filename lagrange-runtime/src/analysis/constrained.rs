@@ -15,7 +15,7 @@ use super::tangent::{
 use super::{AnalysisError, DVector, SmallMotion, Stability};
 use crate::controller::FixedStep;
 use crate::diagnosis::away;
-use crate::facts::ConstraintKind;
+use crate::facts::{Constraint, ConstraintKind};
 use crate::failure::Coordinate;
 use crate::integrate::integrate;
 use crate::method::explicit_rk::Rk4;
@@ -219,7 +219,15 @@ fn known<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     let small = space.small(matrices, &names)?;
     let beside = direct(system, &next(at)).ok().filter(|(other, _)| other.velocities == space.velocities);
     let beside = beside.and_then(|(other, matrices)| other.small(&matrices, &names).ok());
-    Ok(with_rounding(small, beside))
+    let rests = at.qd.iter().all(|rate| *rate == 0.0);
+    Ok(with_rounding(small, beside).conservative(rests && conservative::<Sys, N>()))
+}
+
+/// Returns whether h is conserved, and constraints are holonomic: small motions about an equilibrium have a Lagrangian
+/// of their own.
+pub(super) fn conservative<Sys: Lagrangian<N>, const N: usize>() -> bool {
+    let holonomic = |constraint: &Constraint| constraint.kind != ConstraintKind::Nonholonomic;
+    Sys::FACTS.conservative && Sys::FACTS.constraints.iter().all(holonomic)
 }
 
 /// Small motions with what they are where the state is rounded.

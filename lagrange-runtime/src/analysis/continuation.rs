@@ -239,7 +239,8 @@ impl<F: Fn(Dual<f64>) -> Sys, Sys: Linearize<N, Scalar = Dual<f64>>, const N: us
         let rounded =
             DVector::from_fn(N + 1, |i, _| if i < N { z[i] * (1.0 + 4.0 * f64::EPSILON) } else { z[i] });
         let [m, c, k] = matrices(z);
-        Ok(SmallMotion::named(m, c, k, coordinate_names::<Sys, N>())?.blurred(matrices(&rounded)))
+        let small = SmallMotion::named(m, c, k, coordinate_names::<Sys, N>())?.blurred(matrices(&rounded));
+        Ok(small.conservative(Sys::FACTS.conservative))
     }
 
     fn negative(&self, _: &DVector<f64>, jacobian: &DMatrix<f64>) -> Result<usize, AnalysisError> {

@@ -1,7 +1,7 @@
 //! Roots and null vectors of the quadratic matrix polynomial `P(λ) = λ²M + λC + K`, in double-double arithmetic.
 
 use super::eigen::eigenvalues;
-use super::wide::{Lu, Wide, form, is_real, narrow, norm, null_vector, wide};
+use super::wide::{Lu, Wide, form, is_real, narrow, norm, wide};
 use super::{AnalysisError, SmallMotion};
 use crate::linear::Entry;
 use crate::scalar::DoubleDouble as Double;
@@ -10,9 +10,11 @@ use nalgebra::{Complex, DMatrix, DVector, SVD};
 /// Relative error that each entry of the matrices may have.
 pub(super) const ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// Relative distance below which roots are one multiple root: they are roots of one polynomial in 32 digits, in which
-/// a double root is known to 16.
-const ONE_ROOT: f64 = 4.0 * f64::EPSILON;
+/// Relative error of double-double arithmetic, in which a double root is known to 16 digits, and a triple one to 11.
+const WIDE_ROUNDING: f64 = 4.0 * f64::EPSILON * f64::EPSILON;
+
+/// Relative distance of roots that may be one multiple root.
+const NEAR: f64 = 1e-3;
 
 /// Entries of the stiffness, in units of the largest root squared, that are left out.
 const SMALLEST: f64 = 1e-200;
@@ -59,6 +61,50 @@ struct Approximation {
     error: f64,
     idle: u32,
     done: bool,
+}
+
+/// A root with its multiplicity, and a bound of its distance to the approximations that it is the mean of.
+struct Multiple {
+    value: Wide,
+    error: f64,
+    count: usize,
+}
+
+impl Multiple {
+    /// Returns whether rounding of the arithmetic may have made these of one root.
+    fn may_be_one(&self, other: &Self) -> bool {
+        norm(self.value - other.value) <= 4.0 * (self.error + other.error)
+    }
+
+    fn is_real(&self) -> bool {
+        is_real(self.value) || self.value.im.value().abs() <= 4.0 * self.error
+    }
+
+    /// The conjugate of a root that is not real.
+    fn conjugate(&self, all: &[Self]) -> Option<usize> {
+        let conjugate = Multiple { value: Wide { im: -self.value.im, ..self.value }, ..*self };
+        all.iter().position(|other| other.count == self.count && conjugate.may_be_one(other))
+    }
+
+    /// The first two that may be one.
+    fn pair(all: &[Self]) -> Option<(usize, usize)> {
+        let mut pairs = (0..all.len()).flat_map(|k| (0..k).map(move |j| (j, k)));
+        pairs.find(|&(j, k)| all[j].may_be_one(&all[k]))
+    }
+
+    /// Makes one root of two.
+    fn unite(all: &mut Vec<Self>, j: usize, k: usize) {
+        let last = all.swap_remove(j.max(k));
+        let first = &mut all[j.min(k)];
+        let [one, other] = [first.count, last.count].map(|count| Double::from(count as f64));
+        let mean = |a: Double, b: Double| (a * one + b * other) / (one + other);
+        let distance = norm(first.value - last.value);
+        *first = Multiple {
+            value: Wide { re: mean(first.value.re, last.value.re), im: mean(first.value.im, last.value.im) },
+            error: first.error.max(last.error).max(distance),
+            count: first.count + last.count,
+        };
+    }
 }
 
 /// The chains of one length at a root, `P(λ) Σᵢ εⁱ xᵢ = O(εˡ)` at λ + ε: their vectors xᵢ by columns.
@@ -200,7 +246,8 @@ impl Quadratic {
             let scaled =
                 DMatrix::from_fn(length * n, length * n, |i, j| scaled[(i, j)] * rows[i] * columns[j]);
             let (singular, right) = right_vectors(scaled)?;
-            let rounding = ROUNDING * (length * n) as f64 * singular.amax().max(f64::MIN_POSITIVE);
+            // Sizes of terms have the largest entries 1.
+            let rounding = ROUNDING * (length * n) as f64 * singular.amax().max(1.0);
             let null: Vec<usize> = (0..length * n).filter(|&i| singular[i] <= rounding).collect();
             let new = null.len().saturating_sub(before).min(n);
             if new == 0 {
@@ -259,26 +306,34 @@ impl Quadratic {
 
     /// The different roots, each with its multiplicity.
     fn values(&self) -> Result<Vec<(Wide, usize)>, AnalysisError> {
-        let mut different: Vec<Vec<Approximation>> = Vec::new();
-        for root in self.aberth(self.starts()?)? {
-            let same = |other: &Approximation| {
-                let apart = norm(other.value - root.value);
-                apart <= ONE_ROOT * norm(root.value) || apart <= 10.0 * (other.error + root.error)
+        let mut all = self.aberth(self.starts()?)?;
+        // Roots that rounding of the arithmetic may have made of one are one.
+        for k in 0..all.len() {
+            let value = all[k].value;
+            let near = |(j, other): (usize, &Approximation)| {
+                j != k && norm(other.value - value) <= NEAR * norm(value)
             };
-            let (near, far): (Vec<_>, Vec<_>) =
-                different.into_iter().partition(|group| group.iter().any(same));
-            different = far;
-            different.push(near.into_iter().flatten().chain([root]).collect());
+            if all.iter().enumerate().any(near) {
+                all[k].error = all[k].error.max(self.spread(value, WIDE_ROUNDING));
+            }
         }
-        let mean = |group: Vec<Approximation>| {
-            let sum = group.iter().fold(wide(Complex::new(0.0, 0.0)), |sum, z| sum + z.value);
-            let count = Double::from(group.len() as f64);
-            let mean = Wide { re: sum.re / count, im: sum.im / count };
-            let error = group.iter().map(|z| z.error).fold(0.0, f64::max);
-            let real = is_real(mean) || mean.im.value().abs() <= error && group.len() > 1;
-            (if real { Wide::real(mean.re) } else { mean }, group.len())
-        };
-        let mut values: Vec<(Wide, usize)> = different.into_iter().map(mean).collect();
+        let mut roots: Vec<Multiple> = Vec::new();
+        for Approximation { value, error, .. } in all {
+            roots.push(Multiple { value, error, count: 1 });
+            while let Some((j, k)) = Multiple::pair(&roots) {
+                Multiple::unite(&mut roots, j, k);
+            }
+        }
+        // Where an iteration ended early, a root has no conjugate: it is one with the nearest.
+        while let Some(k) = (0..roots.len()).find(|&k| !roots[k].is_real() && roots[k].conjugate(&roots).is_none())
+        {
+            let far = |j: &usize| norm(roots[*j].value - roots[k].value);
+            let others = (0..roots.len()).filter(|&j| j != k);
+            let Some(j) = others.min_by(|a, b| far(a).total_cmp(&far(b))) else { break };
+            Multiple::unite(&mut roots, j, k);
+        }
+        let value = |root: &Multiple| if root.is_real() { Wide::real(root.value.re) } else { root.value };
+        let mut values: Vec<(Wide, usize)> = roots.iter().map(|root| (value(root), root.count)).collect();
         if !self.rigid.is_empty() {
             values.push((wide(Complex::new(0.0, 0.0)), self.rigid.len()));
         }
@@ -338,8 +393,8 @@ impl Quadratic {
                 if all[k].done && !is_real(moved) {
                     let conjugate = Wide { im: -moved.im, ..moved };
                     let far = |z: &&mut Approximation| norm(z.value - conjugate);
+                    let error = all[k].error;
                     let open = all.iter_mut().filter(|z| !z.done);
-                    let error = size;
                     if let Some(pair) = open.min_by(|a, b| far(a).total_cmp(&far(b))) {
                         *pair = Approximation { value: conjugate, error, idle: 0, done: true };
                     }
@@ -379,21 +434,21 @@ impl Quadratic {
         distance: f64,
     ) -> Result<(Complex<f64>, Complex<f64>, Vec<Shape>), AnalysisError> {
         if norm(value) == 0.0 {
-            return Ok((narrow(value), self.spread(value), self.rigid.clone()));
+            return Ok((narrow(value), self.spread_by_entries(value), self.rigid.clone()));
         }
         if multiple > 1 {
             let chains = self.chains(value)?;
             let firsts = chains.iter().flat_map(|chain| chain[0].column_iter().map(|x| x.into_owned()));
             let mut shapes: Vec<Shape> = firsts.take(multiple).collect();
             if shapes.is_empty() {
-                shapes.push(null_vector(self.derivative(0, value)).map(narrow));
+                shapes.push(Lu::of(self.derivative(0, value)).null_vectors()[1].map(narrow));
             }
             let first = shapes[0].clone();
             shapes.resize(multiple, first);
-            return Ok((narrow(value), self.spread(value), shapes));
+            return Ok((narrow(value), self.spread_by_entries(value), shapes));
         }
         let at = self.derivative(0, value);
-        let (left, right) = (null_vector(at.transpose()), null_vector(at.clone()));
+        let [left, right] = Lu::of(at.clone()).null_vectors();
         let slope = form(&left, &self.derivative(1, value), &right);
         // The quotient of two-sided vectors has an error of second order (Tisseur and Meerbergen 2001, 4.3).
         let step = form(&left, &at, &right) / slope;
@@ -406,7 +461,7 @@ impl Quadratic {
         let (z, shape) = (narrow(value), right.map(narrow));
         let error = self.sensitivity(z, &left.map(narrow), &(&shape / narrow(slope)));
         // Perturbation theory of first order holds for roots that are well apart.
-        let error = if error.norm() <= 0.01 * distance { error } else { self.spread(value) };
+        let error = if error.norm() <= 0.01 * distance { error } else { self.spread_by_entries(value) };
         Ok((z, error, vec![shape]))
     }
 
@@ -428,11 +483,17 @@ impl Quadratic {
         (error + Complex::new(own, own)) * ROUNDING
     }
 
-    /// Change of a root that is not alone by errors of the matrices: the distance r at which
+    /// Changes of a root that is not alone by errors of the matrices.
+    fn spread_by_entries(&self, value: Wide) -> Complex<f64> {
+        let r = self.spread(value, ROUNDING);
+        Complex::new(r, r)
+    }
+
+    /// Change of a root that is not alone by relative errors δ of the terms: the distance r at which
     /// `δ tr(|P(λ + r)⁻¹| (r²|M| + r|C| + |K|)) = 1`, so that P(λ + r) may be singular.
-    fn spread(&self, value: Wide) -> Complex<f64> {
+    fn spread(&self, value: Wide, rounding: f64) -> f64 {
         let n = self.dimension();
-        let mut r = norm(value).max(1e-20) * f64::EPSILON.sqrt();
+        let mut r = norm(value).max(1e-20) * rounding.sqrt();
         for _ in 0..20 {
             let z = value + wide(Complex::from_polar(r, 1.0));
             let (factors, sizes) = (Lu::of(self.derivative(0, z)), self.size(0, norm(z)));
@@ -444,9 +505,9 @@ impl Quadratic {
             }
             // The sum falls as a power −p of r, p = 1, 2, 3, …, so that the logarithm of the error is multiplied by 1
             // − p/3.
-            r *= (ROUNDING * sum).cbrt();
+            r *= (rounding * sum).cbrt();
         }
-        Complex::new(r, r)
+        r
     }
 }
 

@@ -5,7 +5,7 @@ use super::hypotheses::{autonomous, coordinate_names, next, second_order};
 use super::motion::{antisymmetric, symmetric};
 use super::quadratic::equilibrated;
 use super::switch::{linearized, smooth};
-use super::{AnalysisError, Modes, SmallMotion, Spectrum, modes, spectrum};
+use super::{AnalysisError, Modes, SmallMotion, Spectrum, modes, quadratic, spectrum};
 use crate::failure::Coordinate;
 use crate::state::State;
 use crate::system::{Lagrangian, Linearize};
@@ -72,6 +72,24 @@ impl SmallMotion {
         for ((blur, other), own) in self.blur.iter_mut().zip(&beside).zip([&self.m, &self.c, &self.k]) {
             let largest = own.amax();
             *blur = (own - other).abs().map(|x| if x <= f64::EPSILON.sqrt() * largest { x } else { 0.0 });
+        }
+        // Damping of a coordinate that is a rounding of its gyroscopic coupling to others may have either sign.
+        let n = self.dimension();
+        for i in 0..n {
+            let coupled = |j: usize| self.c[(i, j)].abs().max(self.c[(j, i)].abs()) / self.m[(j, j)].sqrt();
+            let largest = (0..n).filter(|&j| j != i).map(coupled).fold(0.0, f64::max) * self.m[(i, i)].sqrt();
+            if self.c[(i, i)].abs() <= self.blur[1][(i, i)].max(quadratic::ROUNDING * largest) {
+                self.c[(i, i)] = 0.0;
+            }
+        }
+        self
+    }
+
+    /// With a C that has no symmetric part, and a K without antisymmetric one, whatever rounding makes of them, if h
+    /// is conserved: both follow from a Lagrangian then.
+    pub(super) fn conservative(mut self, so: bool) -> Self {
+        if so {
+            (self.c, self.k) = (antisymmetric(&self.c), symmetric(&self.k));
         }
         self
     }
@@ -147,7 +165,8 @@ impl SmallMotion {
         smooth(system, at, 0.0, linearized)?;
         let [_, m, c, k] = linearized(system, at);
         let [_, beside @ ..] = linearized(system, &next(at));
-        Ok(Self::named(m, c, k, coordinate_names::<Sys, N>())?.blurred(beside))
+        let small = Self::named(m, c, k, coordinate_names::<Sys, N>())?.blurred(beside);
+        Ok(small.conservative(Sys::FACTS.conservative))
     }
 
     /// Small deviations from the motion through any state, as they begin: `C = −M ∂q̈/∂q̇` and `K = −M ∂q̈/∂q` from the
@@ -334,6 +353,12 @@ impl SmallMotion {
     pub(super) fn reduced(&self, a: &DMatrix<f64>) -> DMatrix<f64> {
         let half = self.forward(a.clone());
         self.forward(half.transpose()).transpose()
+    }
+
+    /// `M⁻¹`
+    pub(super) fn inverse(&self) -> DMatrix<f64> {
+        let half = self.forward(DMatrix::identity(self.dimension(), self.dimension()));
+        half.transpose() * half
     }
 
     /// L of `M = L Lᵀ`.

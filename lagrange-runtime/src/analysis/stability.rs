@@ -1,6 +1,7 @@
 //! Stability of equilibria and steady motions: which theorem decides, and where none does.
 
 use super::motion::symmetric;
+use super::quadratic::ROUNDING;
 use super::{AnalysisError, ModeKind, SmallMotion, Spectrum};
 use crate::system::Facts;
 use nalgebra::{Complex, DMatrix, DVector, SymmetricEigen};
@@ -117,9 +118,7 @@ impl SmallMotion {
             let key = |k: usize| (eigenvalues[k].re, eigenvalues[k].im);
             key(*a).partial_cmp(&key(*b)).unwrap_or(std::cmp::Ordering::Equal)
         };
-        let rates = self.reduced(self.velocity_terms()).diagonal();
-        let rounding = 64.0 * rates.len() as f64 * f64::EPSILON * rates.amax();
-        let driven = rates.sum() < -rounding;
+        let driven = self.expands();
         let growing = (0..errors.len()).filter(|&k| driven || eigenvalues[k].re > errors[k].re);
         Ok(match growing.max_by(faster) {
             Some(k) if eigenvalues[k].im == 0.0 => Stability::Unstable { direction: shapes[k].map(|x| x.re) },
@@ -131,6 +130,17 @@ impl SmallMotion {
                 needs: "eigenvalues off the imaginary axis, or a system whose energy is proved not to grow",
             },
         })
+    }
+
+    /// Returns whether `tr M⁻¹C = tr M⁻¹D` is negative, beyond what errors of the entries make of it: the sum of all
+    /// eigenvalues is positive then.
+    fn expands(&self) -> bool {
+        let (inverse, damping, [m_blur, c_blur, _]) = (self.inverse(), self.damping(), self.blur());
+        let size = inverse.abs();
+        let c_error = self.velocity_terms().abs() * ROUNDING + c_blur;
+        let m_error = self.inertia().abs() * ROUNDING + m_blur;
+        let error = size.dot(&symmetric(&c_error)) + (&size * m_error * &size).dot(&damping.abs());
+        inverse.dot(&damping) < -error
     }
 
     /// The root that oscillates and grows fastest, beyond the bounds of its errors; `None` where there is none, or

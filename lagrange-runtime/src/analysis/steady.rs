@@ -5,7 +5,7 @@
 //! 1877; Beatty 2006, (11.79l); Goldstein, Poole and Safko, *Classical Mechanics*, 2002, 8.3).
 
 use super::balance::balance;
-use super::constrained::{Place, admitted, balanced, doubted};
+use super::constrained::{self, Place, admitted, balanced, doubted};
 use super::hypotheses::{autonomous, coordinate_names, next, second_order, unconstrained};
 use super::switch::{linearized, smooth};
 use super::tangent::{Held, TangentSpace, classes, fulfilled, stiffness_of_forces, units};
@@ -215,6 +215,7 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         let names = coordinate_names::<Sys, N>();
         let names: Vec<String> = self.kept.iter().map(|&i| names[i].clone()).collect();
         let small = space.small(&space.projected([&m, &c, &k]), &names)?;
+        let small = small.conservative(constrained::conservative::<Sys, N>());
         Ok(Steady { at, small: doubted(small, &space, &found.stiffness_aside) })
     }
 
@@ -224,10 +225,8 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         let (m, c, k) = self.matrices(&at);
         let names = coordinate_names::<Sys, N>();
         let names = self.kept.iter().map(|&i| names[i].clone()).collect();
-        Ok(Steady {
-            at,
-            small: SmallMotion::named(m, c, k, names)?.blurred(self.matrices(&next(&at)).into()),
-        })
+        let small = SmallMotion::named(m, c, k, names)?.blurred(self.matrices(&next(&at)).into());
+        Ok(Steady { at, small: small.conservative(Sys::FACTS.conservative) })
     }
 
     /// `b − f` of the coordinates that are not ignorable.

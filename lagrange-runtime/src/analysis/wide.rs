@@ -37,37 +37,27 @@ pub(super) fn form(x: &DVector<Wide>, a: &DMatrix<Wide>, y: &DVector<Wide>) -> W
     sum
 }
 
-/// The vector that a matrix, singular but for rounding, takes to zero: two steps of inverse iteration (Golub and Van
-/// Loan, *Matrix Computations*, 2013, 7.6.1).
-pub(super) fn null_vector(a: DMatrix<Wide>) -> DVector<Wide> {
-    let factors = Lu::of(a);
-    let mut x = DVector::from_fn(factors.rows.len(), |i, _| {
-        wide(Complex::new(1.0 + (0.618 * i as f64).fract(), 0.0))
-    });
-    for _ in 0..2 {
-        x = factors.solve(x);
-        let largest = x.iter().copied().fold((0.0, wide(Complex::new(1.0, 0.0))), |most, x| {
-            if norm(x) > most.0 { (norm(x), x) } else { most }
-        });
-        x = x.map(|x| x / largest.1);
-    }
-    x
-}
-
-/// `P A = L U` with partial pivoting; a pivot that vanishes is replaced by [`SMALLEST_PIVOT`].
+/// `P A Q = L U` with complete pivoting (Golub and Van Loan, *Matrix Computations*, 2013, 3.4.8), so that what makes a
+/// matrix singular is left for the last pivots; one that vanishes is replaced by [`SMALLEST_PIVOT`].
 pub(super) struct Lu {
     factors: DMatrix<Wide>,
     rows: Vec<usize>,
+    columns: Vec<usize>,
 }
 
 impl Lu {
     pub fn of(mut a: DMatrix<Wide>) -> Self {
         let n = a.nrows();
-        let (mut rows, zero): (Vec<usize>, _) = ((0..n).collect(), wide(Complex::new(0.0, 0.0)));
+        let (mut rows, mut columns): (Vec<usize>, Vec<usize>) = ((0..n).collect(), (0..n).collect());
+        let zero = wide(Complex::new(0.0, 0.0));
         for j in 0..n {
-            let pivot = (j..n).fold(j, |best, i| if norm(a[(i, j)]) > norm(a[(best, j)]) { i } else { best });
-            a.swap_rows(j, pivot);
-            rows.swap(j, pivot);
+            let places = (j..n).flat_map(|k| (j..n).map(move |i| (i, k)));
+            let (row, column) =
+                places.fold((j, j), |best, place| if norm(a[place]) > norm(a[best]) { place } else { best });
+            a.swap_rows(j, row);
+            rows.swap(j, row);
+            a.swap_columns(j, column);
+            columns.swap(j, column);
             if norm(a[(j, j)]) < SMALLEST_PIVOT {
                 a[(j, j)] = Wide::real(SMALLEST_PIVOT.into());
             }
@@ -81,7 +71,7 @@ impl Lu {
                 }
             }
         }
-        Lu { factors: a, rows }
+        Lu { factors: a, rows, columns }
     }
 
     /// The x with `A x = b`.
@@ -99,6 +89,33 @@ impl Lu {
                 x[i] = x[i] - a[(i, j)] * x[j];
             }
         }
-        x
+        placed(&self.columns, &x)
     }
+
+    /// The y and x with `yᵀ A = 0` and `A x = 0` of a matrix that is singular but for its last pivot, their largest
+    /// entries 1.
+    pub fn null_vectors(&self) -> [DVector<Wide>; 2] {
+        let (a, n) = (&self.factors, self.rows.len());
+        let mut last = DVector::from_element(n, wide(Complex::new(0.0, 0.0)));
+        last[n - 1] = Wide::real(Double::ONE);
+        let (mut left, mut right) = (last.clone(), last);
+        for i in (0..n - 1).rev() {
+            for k in i + 1..n {
+                left[i] = left[i] - a[(k, i)] * left[k];
+                right[i] = right[i] - a[(i, k)] * right[k];
+            }
+            right[i] = right[i] / a[(i, i)];
+        }
+        [(&self.rows, left), (&self.columns, right)].map(|(places, x)| {
+            let largest = (0..n).fold(0, |most, i| if norm(x[i]) > norm(x[most]) { i } else { most });
+            placed(places, &x.map(|entry| entry / x[largest]))
+        })
+    }
+}
+
+/// Entries at these places.
+fn placed(places: &[usize], x: &DVector<Wide>) -> DVector<Wide> {
+    let mut all = x.clone();
+    places.iter().zip(x).for_each(|(&place, entry)| all[place] = *entry);
+    all
 }

@@ -459,3 +459,71 @@ lagrangian! {
         Q[theta] = if t > 5 && t < 6 { 1 } else { 0 };
     }
 }
+
+lagrangian! {
+    /// A mass between two springs in a frame that turns at the rate w, in skew coordinates: inertia and gyroscopic
+    /// matrix are full, and rounding of their entries is not that of their formulas.
+    system SkewPlate {
+        param w, a, b, k, c;
+        coord u, v;
+        let x = u + a * v;
+        let y = b * u + v;
+        T = 0.5 * ((dot(x) - w * y).powi(2) + (dot(y) + w * x).powi(2));
+        V = 0.5 * k * (x * x + 2 * y * y);
+        D = 0.5 * c * dot(u).powi(2);
+    }
+}
+
+lagrangian! {
+    /// A satellite on a circular orbit, by its attitude in the frame that turns with the orbit: x is radial, z normal.
+    system Orbiting {
+        param A, B, C, n = 1.0;
+        coord R: rotation;
+        let hull = frame(world, [0, 0, 0], rotation_z(n * t) * R);
+        let up = R.inverse() * [1, 0, 0];
+        T = body(1, [A, B, C], hull);
+        V = 1.5 * n * n * (A * up[0] * up[0] + B * up[1] * up[1] + C * up[2] * up[2]);
+    }
+}
+
+/// With `k₁ = k − w²` and `k₂ = 2k − w²` both negative, roots of `λ⁴ + (k₁ + k₂ + 4w²) λ² + k₁ k₂` are imaginary where
+/// `k₁ + k₂ + 4w² > 2 √(k₁ k₂)`: stable in first approximation, which decides nothing. Damping of one coordinate drives
+/// the other then.
+#[test]
+fn rounding_of_a_gyroscopic_system_is_no_damping() {
+    for step in 0..60 {
+        let s = f64::from(step);
+        let [a, b] = [(0.37 * s).sin() * 0.5, (1.3 * s).cos() * 0.5];
+        let hill = SkewPlate { w: 1.0, a, b, k: 0.1, c: 0.0 };
+        let found = equilibrium(&hill, &[1e-3, -2e-3]).unwrap();
+        assert!(matches!(found.stability, Stability::Undecided { .. }), "{a} {b}: {:?}", found.stability);
+        assert_eq!(found.small.damping().amax(), 0.0);
+        let valley = equilibrium(&SkewPlate { k: 1.5, ..hill }, &[1e-3, -2e-3]).unwrap();
+        assert!(valley.stability.is_stable(), "{a} {b}: {:?}", valley.stability);
+        let damped = equilibrium(&SkewPlate { c: 0.3, ..hill }, &[1e-3, -2e-3]).unwrap();
+        assert!(damped.stability.is_unstable(), "{a} {b}: {:?}", damped.stability);
+    }
+}
+
+/// A satellite whose smallest inertia is about the radius, and whose largest about the normal of the orbit, is at a
+/// minimum of V − T₀ in four attitudes, which turns by half a circle take to each other (Lagrange; Beletskii, *Motion of
+/// an Artificial Satellite about its Center of Mass*, 1966). Newton's method ends at parameters of 1e-170 beside some.
+#[test]
+fn attitudes_of_a_satellite_in_orbit() {
+    use std::f64::consts::PI;
+    let satellite = Orbiting::new(2.0, 3.0, 4.0);
+    let [x, y, z] = [Vector3::x(), Vector3::y(), Vector3::z()].map(|axis| axis * PI);
+    for turn in [Vector3::zeros(), x, y, z] {
+        for step in 0..40 {
+            let s = 1e-3 * f64::from(step);
+            let aside = UnitQuaternion::new(Vector3::new((7.0 * s).sin(), -s, 0.5 * s) * 0.1);
+            let rest = State::new(0.0, [0.0; 3], [0.0; 3]);
+            let at = satellite.with_attitude_R(rest, &(UnitQuaternion::new(turn) * aside), &Vector3::zeros());
+            let found = equilibrium(&satellite, &at.q.into()).unwrap();
+            assert!(found.stability.is_stable(), "{turn:?} {s}: {:?} at {:?}", found.stability, found.q);
+        }
+    }
+    // Once in its spectrum.
+    let satellite = Orbiting::new(0.9078958501485379, 0.759916021016827, 0.2114296920898424);
+    assert!(equilibrium(&satellite, &[1e-150, -1.0, 1e-160]).unwrap().stability.is_unstable());
+}

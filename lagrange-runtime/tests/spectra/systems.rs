@@ -106,7 +106,7 @@ impl System {
 
 type Family = (&'static str, fn(&mut Random) -> System);
 
-pub const FAMILIES: [Family; 12] = [
+pub const FAMILIES: [Family; 13] = [
     ("damped", damped),
     ("light", light),
     ("gyroscopic", gyroscopic),
@@ -119,6 +119,7 @@ pub const FAMILIES: [Family; 12] = [
     ("repeated", repeated),
     ("defective", defective),
     ("units", units),
+    ("integers", integers),
 ];
 
 fn damped(random: &mut Random) -> System {
@@ -248,4 +249,24 @@ fn units(random: &mut Random) -> System {
     let time = 10f64.powf(random.between(-40.0, 40.0));
     let System { m, c, k } = system.turned(&t);
     System { m, c: c * time, k: k * time * time }
+}
+
+/// Matrices of small integers: roots are integers too, `P(λ)` has rows and columns of zeros, and null vectors on the
+/// left and on the right are at right angles.
+fn integers(random: &mut Random) -> System {
+    let n = random.integer(2, 3) as usize;
+    let mut m = DMatrix::zeros(n, n);
+    let [mut c, mut k] = [m.clone(), m.clone()];
+    let [coupled, damped] = [0, 1].map(|_| random.between(0.0, 1.0) < 0.3);
+    for i in 0..n {
+        (m[(i, i)], k[(i, i)]) = (random.integer(1, 4), random.integer(-10, 10));
+        c[(i, i)] = if damped { random.integer(0, 3) } else { 0.0 };
+        for j in 0..i {
+            c[(i, j)] = random.integer(-2, 2);
+            c[(j, i)] = -c[(i, j)];
+            k[(i, j)] = if coupled { random.integer(-2, 2) } else { 0.0 };
+            k[(j, i)] = k[(i, j)];
+        }
+    }
+    System { m, c, k }
 }

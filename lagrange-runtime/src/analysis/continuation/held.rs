@@ -6,7 +6,7 @@
 use super::curve::{Curve, Equations, negative};
 use super::{Branch, Family, Heading, Path, begun, sizes};
 use crate::analysis::balance::smallest_solution;
-use crate::analysis::constrained::{SINGULAR, far, nearly_dependent, with_rounding};
+use crate::analysis::constrained::{SINGULAR, conservative, far, nearly_dependent, with_rounding};
 use crate::analysis::hypotheses::coordinate_names;
 use crate::analysis::stability::least_is_negative;
 use crate::analysis::switch::linearized;
@@ -193,7 +193,8 @@ impl<F: Fn(Dual<f64>) -> Sys, Sys: Linearize<N, Scalar = Dual<f64>>, const N: us
     fn small(&self, z: &DVector<f64>) -> Result<SmallMotion, AnalysisError> {
         let rounded =
             DVector::from_fn(z.len(), |i, _| if i < N { z[i] * (1.0 + 4.0 * f64::EPSILON) } else { z[i] });
-        Ok(with_rounding(self.direct(z)?, self.direct(&rounded).ok()))
+        let small = with_rounding(self.direct(z)?, self.direct(&rounded).ok());
+        Ok(small.conservative(conservative::<Sys, N>()))
     }
 
     fn negative(&self, z: &DVector<f64>, _: &DMatrix<f64>) -> Result<usize, AnalysisError> {
