@@ -330,7 +330,8 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
             }
             let dense = self.run.interpolant(&step);
             let parts = self.run.engine().method.parts(&memory, step.h);
-            let stepped = self.step.insert(Stepped { step, dense, memory, parts });
+            let crosses_shortly = self.run.engine().crosses_shortly();
+            let stepped = self.step.insert(Stepped { step, dense, memory, parts, crosses_shortly });
             self.search.enter(&On(&self.events, self.run.system()), stepped)?;
             return Ok(Next::Step);
         }
@@ -375,7 +376,10 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
         let terminal = self.events.kind(event).terminal;
         let state = match terminal {
             true => land(&mut self.run, stepped, self.events.kind(event).at(event), x, direction, g)?,
-            false => on_interpolant(stepped, x, |at: &State<Number<D, N>, N>| g(self.run.system(), at)),
+            false => {
+                let system = self.run.system();
+                on_interpolant(system, stepped, x, |at: &State<Number<D, N>, N>| g(system, at))
+            }
         };
         self.search.met(&On(&self.events, self.run.system()), stepped, event, x, &state);
         if terminal {

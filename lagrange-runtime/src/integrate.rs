@@ -19,6 +19,7 @@ pub use sides::{Side, Sides};
 #[cfg(feature = "std")]
 pub use stepper::SampledStepper;
 pub use stepper::{Advance, Stepper, Stretch};
+pub(crate) use switches::crossed;
 
 /// Integrates `system` from `start`. The result is an iterator of accepted steps, which makes none until it is asked
 /// for one.

@@ -218,8 +218,13 @@ pub trait Real: Scalar + PartialOrd {
     fn infinitesimal(self) -> Self {
         Self::zero()
     }
-    /// Does it carry slopes?
-    const SLOPES: bool = false;
+    /// Number of slopes that it carries.
+    const SLOPES: usize = 0;
+    /// One of its slopes, by its index.
+    #[inline]
+    fn slope(self, _: usize) -> f64 {
+        0.0
+    }
     /// The distance from 1 to the next larger number.
     const EPSILON: f64;
     /// Is it one of several numbers side by side, whose runs do what they do together alone?

@@ -547,3 +547,20 @@ fn no_symplectic_method_is_chosen_for_attitudes() {
     let chosen = method_for(&free, goal::LongTime(1e-2));
     assert!(chosen.to_string().contains("Dop853"), "{chosen}");
 }
+
+/// A sphere that turns at the rate 1 about z has `σ = tan t/4`, in 31 digits beyond changes of parameters too.
+#[test]
+fn digits_through_changes_of_parameters() {
+    use lagrange_runtime::DoubleDouble;
+    let number = DoubleDouble::from;
+    let sphere = Free::new(1.0, 1.0, 1.0).map(number);
+    let rest = State::new(0.0, [0.0; 3], [0.0; 3]);
+    let start = Free::new(1.0, 1.0, 1.0).with_attitude_R(rest, &UnitQuaternion::identity(), &Vector3::z());
+    for t in [3.0, 4.0, 9.0, 23.0].map(number) {
+        let run = integrate(&sphere, Taylor, TaylorController::tolerance(1e-28), start.map(number)).until(t);
+        let at = run.final_state().unwrap();
+        let (sine, cosine) = (t / number(4.0)).sin_cos();
+        let off = [sine / cosine, -cosine / sine].map(|exact| (at.q[2] - exact).to_f64().abs());
+        assert!(off[0].min(off[1]) < 1e-26, "{}: {off:?}", t.to_f64());
+    }
+}

@@ -163,7 +163,10 @@ fn matrices_of_integers_whose_elimination_meets_zeros() {
             ]),
             &[3f64.sqrt(), two, 0.0],
         ),
-        (of([&[2.0, 0.0, 0.0, 3.0], &[0.0, -1.0, 1.0, 0.0], &[-3.0, -1.93e-22, -1.93e-22, -8.0]]), &[two, two]),
+        (
+            of([&[2.0, 0.0, 0.0, 3.0], &[0.0, -1.0, 1.0, 0.0], &[-3.0, -1.93e-22, -1.93e-22, -8.0]]),
+            &[two, two],
+        ),
     ];
     for (system, rates) in &cases {
         let System { m, c, k } = system;

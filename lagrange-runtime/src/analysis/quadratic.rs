@@ -325,7 +325,8 @@ impl Quadratic {
             }
         }
         // Where an iteration ended early, a root has no conjugate: it is one with the nearest.
-        while let Some(k) = (0..roots.len()).find(|&k| !roots[k].is_real() && roots[k].conjugate(&roots).is_none())
+        while let Some(k) =
+            (0..roots.len()).find(|&k| !roots[k].is_real() && roots[k].conjugate(&roots).is_none())
         {
             let far = |j: &usize| norm(roots[*j].value - roots[k].value);
             let others = (0..roots.len()).filter(|&j| j != k);

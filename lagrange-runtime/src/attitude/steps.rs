@@ -59,18 +59,19 @@ pub(crate) fn lost<S: Real, const N: usize>(
 ) -> Tangent<S, N> {
     let mut rest = *lost;
     for &first in attitudes {
+        // (All digits of a number that has more.)
+        let wide = |x: S| {
+            let near = x.to_f64();
+            DoubleDouble::from_f64(near) + DoubleDouble::from_f64((x - S::from_f64(near)).to_f64())
+        };
         let whole = |x: &SVector<S, N>, rest: &SVector<S, N>| {
-            Vector3::from([0, 1, 2].map(|i| {
-                DoubleDouble::from_f64(x[first + i].to_f64())
-                    + DoubleDouble::from_f64(rest[first + i].to_f64())
-            }))
+            Vector3::from([0, 1, 2].map(|i| wide(x[first + i]) + wide(rest[first + i])))
         };
         if from.parameters(first) == at.parameters(first) {
             continue;
         }
         let [sigma, rate] = other(&whole(&from.q, &lost.q), &whole(&from.qd, &lost.qd));
-        let missing =
-            |exact: DoubleDouble, x: S| S::from_f64((exact - DoubleDouble::from_f64(x.to_f64())).to_f64());
+        let missing = |exact: DoubleDouble, x: S| S::from_f64((exact - wide(x)).to_f64());
         for i in 0..3 {
             rest.q[first + i] = missing(sigma[i], at.q[first + i]);
             rest.qd[first + i] = missing(rate[i], at.qd[first + i]);

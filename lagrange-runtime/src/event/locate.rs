@@ -7,10 +7,10 @@ use super::root::first_zero;
 use super::within::{Within, apart, slope};
 use crate::controller::{Controller, FirstStep};
 use crate::failure::{EventName, Failure};
-use crate::integrate::{Drive, Engine, Number};
+use crate::integrate::{Drive, Engine, Number, crossed};
 use crate::method::{Interpolant, Method, Step};
 use crate::scalar::{Real, Scalar};
-use crate::state::{State, Tangent};
+use crate::state::{State, Tangent, add_scaled};
 use crate::system::System;
 use core::cell::OnceCell;
 
@@ -21,6 +21,8 @@ pub(super) struct Stepped<Sys: System<N>, M: Method<Sys, N>, const N: usize> {
     pub memory: M::MethodState,
     /// Equal parts of the step at whose ends events are looked at.
     pub parts: u32,
+    /// A step across a switch is a short one, see [`Engine::crosses_shortly`].
+    pub crosses_shortly: bool,
 }
 
 impl<Sys, M, const N: usize> Within<Sys::Scalar, N> for Stepped<Sys, M, N>
@@ -46,8 +48,14 @@ where
     }
 }
 
+/// Corrections of the derivatives of a root: the slope of g is a difference quotient.
+const CORRECTIONS: u32 = 4;
+
+/// Roundings of time over which the motion across a switch is differentiated.
+const MANY_ROUNDINGS: f64 = 1_048_576.0;
+
 /// Moves a place, at which g vanishes as a number, to where it vanishes with its derivatives too, which duals carry:
-/// `δx = −δg / (dg/dx)`. None for other numbers, whose `δg = 0`. Twice, since the slope is a difference quotient.
+/// `δx = −δg / (dg/dx)`. None for other numbers, whose `δg = 0`.
 fn with_slopes<S: Real, const N: usize>(
     x: f64,
     slope: f64,
@@ -55,19 +63,68 @@ fn with_slopes<S: Real, const N: usize>(
     g: impl Fn(&State<S, N>) -> S,
 ) -> Option<S> {
     let mut place = S::from_f64(x);
-    for _ in 0..2 {
-        let value = g(&state(place));
-        let rest = value - S::from_f64(value.to_f64());
+    for _ in 0..CORRECTIONS {
+        let rest = g(&state(place)).infinitesimal();
         if !(rest.magnitude() > 0.0 && slope != 0.0) {
-            return None;
+            break;
         }
         place -= rest / S::from_f64(slope);
     }
-    Some(place)
+    (place.infinitesimal().magnitude() > 0.0).then_some(place)
+}
+
+/// The motion within a step that crosses a switch, on the side of it on which the place x is: from one of its ends,
+/// with the acceleration there. The step is so short that this is as good as the step, whose slopes belong to neither
+/// side. None for other steps, and for numbers without slopes.
+fn on_one_side<'a, Sys, M, const N: usize>(
+    system: &Sys,
+    stepped: &'a Stepped<Sys, M, N>,
+    x: f64,
+) -> Option<impl Fn(Sys::Scalar) -> State<Sys::Scalar, N> + use<'a, Sys, M, N>>
+where
+    Sys: System<N>,
+    Sys::Scalar: Real,
+    M: Method<Sys, N>,
+{
+    let Step { from, to, h, .. } = &stepped.step;
+    if Sys::SWITCHES == 0
+        || Sys::Scalar::SLOPES == 0
+        || !stepped.crosses_shortly
+        || !crossed(system, from, to)
+    {
+        return None;
+    }
+    let (end, place) = if crossed(system, from, &stepped.at(x)) { (to, 1.0) } else { (from, 0.0) };
+    let rates = Tangent { q: end.qd, qd: system.accel(&end.q, &end.qd, end.t) };
+    Some(move |x: Sys::Scalar| {
+        let dt = (x - Scalar::from_f64(place)) * *h;
+        let half = dt * dt * Scalar::from_f64(0.5);
+        let moved = end.moved(end.t + dt, dt, &rates);
+        State { q: add_scaled(&moved.q, half, &rates.qd), ..moved }
+    })
+}
+
+/// The place with slopes, and the state there, of a root x of g within a step across a switch.
+fn across_switch<Sys, M, const N: usize>(
+    system: &Sys,
+    stepped: &Stepped<Sys, M, N>,
+    x: f64,
+    g: impl Fn(&State<Sys::Scalar, N>) -> Sys::Scalar,
+) -> Option<State<Sys::Scalar, N>>
+where
+    Sys: System<N>,
+    Sys::Scalar: Real,
+    M: Method<Sys, N>,
+{
+    let motion = on_one_side(system, stepped, x)?;
+    let d = MANY_ROUNDINGS * stepped.resolution();
+    let [before, after] = [x - d, x + d].map(|x| g(&motion(Scalar::from_f64(x))).to_f64());
+    with_slopes(x, (after - before) / (2.0 * d), &motion, g).map(motion)
 }
 
 /// The state of the interpolant at its root `x`.
 pub(super) fn on_interpolant<Sys, M, const N: usize>(
+    system: &Sys,
     stepped: &Stepped<Sys, M, N>,
     x: f64,
     g: impl Fn(&State<Sys::Scalar, N>) -> Sys::Scalar + Copy,
@@ -77,6 +134,9 @@ where
     Sys::Scalar: Real,
     M: Method<Sys, N>,
 {
+    if let Some(state) = across_switch(system, stepped, x, g) {
+        return state;
+    }
     let at = |x: Sys::Scalar| stepped.dense.at(x * stepped.step.h + stepped.step.from.t);
     match with_slopes(x, slope(stepped, x, g), at, g) {
         Some(x) => at(x),
@@ -102,8 +162,11 @@ pub(super) fn land<D: Drive<N>, const N: usize>(
         Ok(engine.attempt_from(system, &stepped.memory, &from, h * Number::<D, N>::from_f64(x))?.0.to)
     };
     let (x, landed) = landing(stepped, event, x, direction, g, attempt)?;
-    let value = g(&landed);
-    if (value - Number::<D, N>::from_f64(value.to_f64())).magnitude() > 0.0 {
+    if let Some(state) = across_switch(system, stepped, x, g) {
+        engine.land(state);
+        return Ok(state);
+    }
+    if g(&landed).infinitesimal().magnitude() > 0.0 {
         let state = |x: Number<D, N>| {
             let mut next = stepped.memory.clone();
             let step = engine.method.step(system, &stepped.memory, &from, x * h, &mut next);

@@ -433,7 +433,7 @@ where
             beside = self.attempt_across_from(system, from, h).or(beside);
         }
         let beside = beside?;
-        if Self::DEPENDENT && Sys::Scalar::SLOPES {
+        if Self::DEPENDENT && Sys::Scalar::SLOPES > 0 {
             system.differentiable(from, &beside.0.to)?;
         }
         self.statistics.evaluations += u64::from(beside.0.evaluations);
@@ -614,7 +614,7 @@ where
     #[cold]
     #[inline(never)]
     fn gets_across(&mut self, system: &Sys, step: &Step<Sys, M, N>) -> Result<(), Failure<Sys::Scalar>> {
-        if Sys::Scalar::SLOPES {
+        if Sys::Scalar::SLOPES > 0 {
             system.differentiable(&step.from, &step.to)?;
         }
         self.across[0] = self.across[1];
@@ -653,7 +653,7 @@ where
             self.count += 1.0;
             step.to.t = next;
         }
-        if Self::DEPENDENT && (self.across != [false; 2] || Sys::Scalar::SLOPES) {
+        if Self::DEPENDENT && (self.across != [false; 2] || Sys::Scalar::SLOPES > 0) {
             self.gets_across(system, &step)?;
         }
         Ok(Some(self.commit(step, next_memory)))
@@ -733,7 +733,7 @@ where
                 Verdict::Accept { factor } if !again => {
                     self.h = rules::next_step(self.h, h, factor, true, lands || stopped || near);
                     self.longest = self.longest.max(step.h.to_f64().abs());
-                    if Self::DEPENDENT && (self.across != [false; 2] || Sys::Scalar::SLOPES) {
+                    if Self::DEPENDENT && (self.across != [false; 2] || Sys::Scalar::SLOPES > 0) {
                         self.gets_across(system, step)?;
                     }
                     return Ok(Some(self.commit(attempted?, next_memory)));
@@ -752,6 +752,12 @@ where
             self.statistics.evaluations += u64::from(step.evaluations);
             self.statistics.rejected += 1;
         }
+    }
+
+    /// Returns whether steps across switches are those of [`Passage::Across`].
+    pub fn crosses_shortly(&self) -> bool {
+        let equal = !Self::ADAPTIVE || matches!(self.controller.first_step(), FirstStep::Fixed(_));
+        Self::SWITCHES && !equal && !self.method.ends_at_switches()
     }
 
     /// Gives the slopes of velocities what a jump of the accelerations gives them.

@@ -203,9 +203,15 @@ where
     }
     let accel = |at: &State<Sys::Scalar, N>| system.accel(&at.q, &at.qd, at.t);
     let before = accel(&from);
+    // Where forces have a kink, slopes of the accelerations jump, and each slope has the tolerance of its own size.
     let effect = |after: SVector<Sys::Scalar, N>| {
         let jump = (after - before) * step.size();
-        norm(&Tangent { q: jump * step.size(), qd: jump }, &from, &to)
+        let by = Tangent { q: jump * step.size(), qd: jump };
+        (0..Sys::Scalar::SLOPES).fold(norm(&by, &from, &to), |most, direction| {
+            let slope = |x: &SVector<_, N>| x.map(|x: Sys::Scalar| Scalar::from_f64(x.slope(direction)));
+            let of = |at: &State<_, N>| State { t: at.t, q: slope(&at.q), qd: slope(&at.qd) };
+            most.max(norm(&Tangent { q: slope(&by.q), qd: slope(&by.qd) }, &of(&from), &of(&to)))
+        })
     };
     // A step from a switch has accelerations of another side at its start where they jump. Coordinates may be rounded
     // more than time is.
@@ -447,6 +453,18 @@ where
     Sys::Scalar: Real,
 {
     changed(system, from, to, |a, b| a * b < 0.0 || a == 0.0 && b != 0.0).is_some()
+}
+
+/// Do two states lie on different sides of a switch?
+pub fn crossed<Sys: System<N>, const N: usize>(
+    system: &Sys,
+    from: &State<Sys::Scalar, N>,
+    to: &State<Sys::Scalar, N>,
+) -> bool
+where
+    Sys::Scalar: Real,
+{
+    changed(system, from, to, |a, b| a * b < 0.0).is_some()
 }
 
 /// The first switching function that vanishes at the end of a step, and not at its start.

@@ -161,7 +161,7 @@ impl<S: Scalar> Scalar for Dual<S> {
 }
 
 impl<S: Real> Real for Dual<S> {
-    const SLOPES: bool = true;
+    const SLOPES: usize = 1;
     const EPSILON: f64 = S::EPSILON;
 
     #[inline]
@@ -172,6 +172,11 @@ impl<S: Real> Real for Dual<S> {
     #[inline]
     fn magnitude(self) -> f64 {
         self.value.magnitude().max(self.slope.magnitude())
+    }
+
+    #[inline]
+    fn slope(self, _: usize) -> f64 {
+        self.slope.to_f64()
     }
 
     #[inline]

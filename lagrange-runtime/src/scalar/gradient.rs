@@ -201,7 +201,7 @@ impl<S: Scalar, const D: usize> Scalar for Gradient<S, D> {
 }
 
 impl<S: Real, const D: usize> Real for Gradient<S, D> {
-    const SLOPES: bool = true;
+    const SLOPES: usize = D;
     const EPSILON: f64 = S::EPSILON;
 
     #[inline]
@@ -212,6 +212,11 @@ impl<S: Real, const D: usize> Real for Gradient<S, D> {
     #[inline]
     fn magnitude(self) -> f64 {
         self.slopes.iter().fold(self.value.magnitude(), |most, slope| most.max(slope.magnitude()))
+    }
+
+    #[inline]
+    fn slope(self, direction: usize) -> f64 {
+        self.slopes[direction].to_f64()
     }
 
     #[inline]

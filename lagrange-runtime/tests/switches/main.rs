@@ -14,6 +14,7 @@ use lagrange_runtime::method::radau::Radau5;
 use lagrange_runtime::method::rosenbrock::{Rodas4, Rodas5P};
 use lagrange_runtime::prelude::*;
 
+mod slopes;
 #[path = "../systems/mod.rs"]
 mod systems;
 
