@@ -7,9 +7,9 @@
 //!
 //! The quaternion of σ is `(1 − |σ|², 2 σ)/(1 + |σ|²)`, which is a unit to rounding whatever σ is: nothing drifts. σ
 //! and −σ/|σ|² give q and −q, so that one formula holds for all attitudes, and every attitude has a σ of length 1 at
-//! most. A run begins its next step from the shorter of the two where a step has led beyond |σ|² = [`BOUND`]: an
-//! exact point transformation between steps, by which what a method remembers starts anew. Steps and interpolants are
-//! in the parameters of the beginning of the step.
+//! most. A run begins its next step from the shorter of the two where a step has led beyond |σ|² = [`BOUND`], and of
+//! equal steps where the middle of the next one will be beyond 1: an exact point transformation between steps, by which
+//! what a method remembers starts anew. Steps and interpolants are in the parameters of the beginning of the step.
 //!
 //! # References
 //! Wiener, *Theoretical analysis of gimballess inertial reference equipment*, 1962; Marandi and Modi, *Acta
@@ -18,9 +18,9 @@
 use crate::scalar::{Real, Scalar};
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 
-/// |σ|² beyond which the next step begins with the other parameters of the same attitude, a turn of 203°: far from the turn of 360° at which
-/// they have no values, and so far from the 180° at which both are equally long that a motion along these does not
-/// change them at every step.
+/// |σ|² beyond which the next step begins with the other parameters of the same attitude, a turn of 203°: far from the
+/// turn of 360° at which they have no values, and so far from the 180° at which both are equally long that a motion
+/// along these does not change them at every step.
 pub(crate) const BOUND: f64 = 1.5;
 
 /// The attitude that these parameters are of.

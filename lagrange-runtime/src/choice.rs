@@ -111,7 +111,7 @@ table! {
         "it is symplectic for every Lagrangian with momenta";
     Dop853 = Dop853, "FixedStep::new";
         "`LongTime`", "any other",
-        "no method bounds the energy without velocities from momenta, or of attitudes; order 8 drifts least";
+        "no method bounds the energy without velocities from momenta; of attitudes order 8 errs least";
     Rodas5P = Rodas5P, "PiController::tolerance";
         "`Stiff`, 1e-7 or coarser", "any", "its steps do not follow the fastest rates, and need no iteration";
     Radau5 = Radau5, "PiController::tolerance";

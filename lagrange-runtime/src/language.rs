@@ -99,7 +99,7 @@
 /// nalgebra's types have the rest: [`UnitQuaternion`](crate::traits::UnitQuaternion)s are made of and read as axes
 /// with angles, matrices and Euler's angles.
 ///
-/// σ and −σ/|σ|² are the same attitude. A run begins each step with the shorter one, and a step stays with that of
+/// σ and −σ/|σ|² are the same attitude. A run changes between them from step to step, and a step stays with that of
 /// its beginning: compare attitudes, not parameters. An event on a parameter also occurs where it jumps, so make
 /// events of the attitude, such as `R * [1, 0, 0]`. Near R = 1 a parameter is a quarter of an angle in rad, and so
 /// are derivatives by it: the rows of B that belong to σ̇ are a quarter of those that belong to ω.

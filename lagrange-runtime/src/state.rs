@@ -169,11 +169,17 @@ impl<S: Scalar, const N: usize> State<S, N> {
         part(&self.q, first)
     }
 
+    /// The three parameters of an attitude and their rates.
+    pub(crate) fn attitude_rates(&self, first: usize) -> [Vector3<S>; 2] {
+        [self.parameters(first), part(&self.qd, first)]
+    }
+
     /// The same state by the other parameters of these attitudes.
     #[inline(always)]
     pub(crate) fn turned(mut self, attitudes: impl Iterator<Item = usize>) -> Self {
         for first in attitudes {
-            let [sigma, rate] = attitude::other(&self.parameters(first), &part(&self.qd, first));
+            let [sigma, rate] = self.attitude_rates(first);
+            let [sigma, rate] = attitude::other(&sigma, &rate);
             for i in 0..3 {
                 (self.q[first + i], self.qd[first + i]) = (sigma[i], rate[i]);
             }

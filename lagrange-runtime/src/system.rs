@@ -188,13 +188,19 @@ pub trait System<const N: usize> {
     /// from their shorter parameters.
     const ATTITUDES: &'static [usize] = &[];
 
-    /// The same state by the shorter parameters of its attitudes, if the next step is to begin from these.
+    /// The same state by other parameters of its attitudes, if the next step is to begin from these: one of steps of the
+    /// size `equal`, or one of a size of its own.
     #[inline(always)]
-    fn shortened(at: &State<Self::Scalar, N>) -> Option<State<Self::Scalar, N>>
+    fn shortened(
+        &self,
+        at: &State<Self::Scalar, N>,
+        equal: Option<Self::Scalar>,
+    ) -> Option<State<Self::Scalar, N>>
     where
         Self::Scalar: Real,
     {
-        attitude::steps::shortened(Self::ATTITUDES, attitude::BOUND, at)
+        let equal = equal.map(|h| (h, self.accel(&at.q, &at.qd, at.t)));
+        attitude::steps::shortened(Self::ATTITUDES, at, equal)
     }
 
     /// Number of [switching functions](Self::switches).
@@ -574,11 +580,15 @@ macro_rules! pass_on_run {
         const ATTITUDES: &'static [usize] = <$system as $crate::System<N>>::ATTITUDES;
 
         #[inline(always)]
-        fn shortened(at: &$crate::State<Self::Scalar, N>) -> Option<$crate::State<Self::Scalar, N>>
+        fn shortened(
+            &self,
+            at: &$crate::State<Self::Scalar, N>,
+            equal: Option<Self::Scalar>,
+        ) -> Option<$crate::State<Self::Scalar, N>>
         where
             Self::Scalar: $crate::Real,
         {
-            <$system as $crate::System<N>>::shortened(at)
+            self.$field.shortened(at, equal)
         }
         const SWITCHES: usize = <$system as $crate::System<N>>::SWITCHES;
 

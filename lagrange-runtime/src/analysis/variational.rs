@@ -62,12 +62,13 @@ impl<S: Scalar, Sys: Lagrangian<N, Scalar = S> + Rescale<N>, const N: usize, con
     const SWITCHES: usize = Sys::SWITCHES;
     const ATTITUDES: &'static [usize] = Sys::ATTITUDES;
 
-    fn shortened(at: &State<S, T>) -> Option<State<S, T>>
+    fn shortened(&self, at: &State<S, T>, equal: Option<S>) -> Option<State<S, T>>
     where
         S: Real,
     {
         let own = part::<_, N, T>(at, 0);
-        let far = attitude::steps::beyond(Sys::ATTITUDES, attitude::BOUND, &own);
+        let equal = equal.map(|h| (h, self.system.accel(&own.q, &own.qd, own.t)));
+        let far = attitude::steps::far(Sys::ATTITUDES, &own, equal);
         far.clone().next()?;
         let mut all = *at;
         for first in (0..T).step_by(N) {

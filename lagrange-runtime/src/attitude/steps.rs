@@ -1,8 +1,6 @@
 //! Parameters with which steps begin, and which two states have in common.
 
-#[cfg(feature = "analysis")]
-use super::BOUND;
-use super::{other, square};
+use super::{BOUND, other, square};
 #[cfg(feature = "analysis")]
 use crate::scalar::Dual;
 use crate::scalar::{DoubleDouble, Real, Scalar};
@@ -86,20 +84,70 @@ pub(crate) fn shortened_place(attitudes: &[usize], place: &DVector<f64>) -> Opti
     let mut shorter = place.clone();
     for first in attitudes {
         let at = State { t: 0.0, q: place.fixed_rows::<3>(*first).into_owned(), qd: SVector::zeros() };
-        if let Some(at) = shortened(&[0], BOUND, &at) {
+        if let Some(at) = shortened(&[0], &at, None) {
             shorter.fixed_rows_mut::<3>(*first).copy_from(&at.q);
         }
     }
     (shorter != *place).then_some(shorter)
 }
 
-/// The same state by the shorter parameters of attitudes whose |σ|² is beyond `bound`, if there are any.
+/// |σ|² in the middle of an equal step, by the velocities alone, above which accelerations are looked at, too.
+const LOOKED_AT: f64 = 0.5;
+
+/// σ in the middle of a step of size h, by its rates and, if they are given, accelerations.
+#[inline(always)]
+fn middle<S: Scalar, const N: usize>(
+    at: &State<S, N>,
+    first: usize,
+    h: S,
+    accelerations: Option<&SVector<S, N>>,
+) -> Vector3<S> {
+    let half = h * S::from_f64(0.5);
+    let rate = |i: usize| match accelerations {
+        Some(accelerations) => at.qd[i] + accelerations[i] * half * S::from_f64(0.5),
+        None => at.qd[i],
+    };
+    Vector3::from([0, 1, 2].map(|i| at.q[first + i] + rate(first + i) * half))
+}
+
+/// Returns whether the next step may begin with other parameters, see [`far`].
+#[inline(always)]
+pub(crate) fn may_change<S: Real, const N: usize>(
+    attitudes: &[usize],
+    at: &State<S, N>,
+    equal: Option<S>,
+) -> bool {
+    attitudes.iter().any(|&first| match equal {
+        None => square(&at.parameters(first)).to_f64() > BOUND,
+        Some(h) => square(&middle(at, first, h, None)).to_f64() > LOOKED_AT,
+    })
+}
+
+/// Those of the attitudes of which the next step is to begin with the other parameters: it is one of `equal` steps,
+/// whose size and accelerations at their start are given, or has a size of its own.
+///
+/// In other parameters a symplectic method conserves another energy, by an error of its own, so that each change of
+/// parameters adds to the energy. Where the middle of a step decides, parameters change where the motion backwards in
+/// time changes them, and what the changes add cancels on the way; where its start decides, it grows with every turn.
+#[inline(always)]
+pub(crate) fn far<'a, S: Real, const N: usize>(
+    attitudes: &'a [usize],
+    at: &'a State<S, N>,
+    equal: Option<(S, SVector<S, N>)>,
+) -> impl Iterator<Item = usize> + Clone + 'a {
+    attitudes.iter().copied().filter(move |&first| match &equal {
+        None => square(&at.parameters(first)).to_f64() > BOUND,
+        Some((h, accelerations)) => square(&middle(at, first, *h, Some(accelerations))).to_f64() > 1.0,
+    })
+}
+
+/// The same state by the parameters with which the next step is to begin, if these are others, see [`far`].
 #[inline(always)]
 pub(crate) fn shortened<S: Real, const N: usize>(
     attitudes: &[usize],
-    bound: f64,
     at: &State<S, N>,
+    equal: Option<(S, SVector<S, N>)>,
 ) -> Option<State<S, N>> {
-    let far = beyond(attitudes, bound, at);
+    let far = far(attitudes, at, equal);
     far.clone().next().map(|_| at.turned(far))
 }

@@ -4,6 +4,7 @@
 use super::memories::DoubleBuffer;
 use super::rules::{self, ends_early};
 use super::switches::{Approach, Interpolated, Passage, landed_on};
+use crate::attitude::steps::may_change;
 use crate::constraint::{CLOSE, NEARLY_DEPENDENT};
 use crate::controller::{Controller, FirstStep, Verdict};
 use crate::failed::{Failed, Statistics};
@@ -269,11 +270,19 @@ where
                 self.begins(system, &given)?;
             }
         }
-        if Self::ATTITUDES
-            && self.end != Some(self.state.t)
-            && let Some(shorter) = Sys::shortened(&self.state)
-        {
-            (self.state, self.memory) = (shorter, None);
+        if Self::ATTITUDES && self.end != Some(self.state.t) {
+            if Self::EQUAL
+                && let FirstStep::Fixed(h) = self.controller.first_step()
+            {
+                self.divide(h)?;
+            }
+            let equal = self.equal();
+            if may_change(Sys::ATTITUDES, &self.state, equal) {
+                self.statistics.evaluations += u64::from(equal.is_some());
+                if let Some(shorter) = system.shortened(&self.state, equal) {
+                    (self.state, self.memory) = (shorter, None);
+                }
+            }
         }
         if self.memory.is_none() {
             let memory = if Self::DEPENDENT && self.across[1] {
@@ -338,22 +347,29 @@ where
         Ok(())
     }
 
+    /// The size of steps, if all of them are equal.
+    #[inline(always)]
+    fn equal(&self) -> Option<Sys::Scalar> {
+        (Self::EQUAL && matches!(self.controller.first_step(), FirstStep::Fixed(_))).then_some(self.h)
+    }
+
     /// Begins the next step, if there is one, from the shorter parameters of attitudes. What the method remembers
     /// starts anew.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn shorten(&mut self, system: &Sys) -> Result<(), Failure<Sys::Scalar>> {
-        if Self::ATTITUDES
-            && self.end != Some(self.state.t)
-            && let Some(restarted) = restart_shorter::<Sys, M, _, _, N>(
+        if Self::ATTITUDES && self.end != Some(self.state.t) {
+            let (restarted, evaluations) = restart_shorter::<Sys, M, _, _, N>(
                 || system,
                 &self.method,
                 || self.memory.as_ref().map(|memory| memory.now().clone()),
                 &self.state,
-            )
-        {
-            let (state, memory) = restarted?;
-            (self.state, self.memory) = (state, Some(DoubleBuffer::new(memory)));
-            self.statistics.evaluations += u64::from(self.method.start_evaluations());
+                self.equal(),
+            );
+            self.statistics.evaluations += evaluations;
+            if let Some(restarted) = restarted {
+                let (state, memory) = restarted?;
+                (self.state, self.memory) = (state, Some(DoubleBuffer::new(memory)));
+            }
         }
         Ok(())
     }
@@ -813,27 +829,33 @@ where
     }
 }
 
-/// The shorter parameters of attitudes from which the next step is to begin, if it is, and what it begins with.
+/// The other parameters of attitudes from which the next step is to begin, if it is, and what it begins with; and the
+/// evaluations that it took.
 #[inline(always)]
 pub(super) fn restart_shorter<Sys, M, B, F, const N: usize>(
     system: impl FnOnce() -> B,
     method: &M,
     memory: F,
     at: &State<Sys::Scalar, N>,
-) -> Option<Result<(State<Sys::Scalar, N>, M::MethodState), Failure<Sys::Scalar>>>
+    equal: Option<Sys::Scalar>,
+) -> (Option<Result<(State<Sys::Scalar, N>, M::MethodState), Failure<Sys::Scalar>>>, u64)
 where
     Sys: System<N, Scalar: Real>,
     M: Method<Sys, N>,
     B: core::borrow::Borrow<Sys>,
     F: FnOnce() -> Option<M::MethodState>,
 {
-    let shorter = Sys::shortened(at)?;
-    let (system, memory) = (system(), memory());
-    let started = match memory {
+    if !may_change(Sys::ATTITUDES, at, equal) {
+        return (None, 0);
+    }
+    let (system, looked) = (system(), u64::from(equal.is_some()));
+    let Some(shorter) = system.borrow().shortened(at, equal) else { return (None, looked) };
+    let started = match memory() {
         Some(memory) => method.turned(system.borrow(), &memory, at, &shorter),
         None => method.start(system.borrow(), &shorter),
     };
-    Some(started.map(|memory| (shorter, memory)))
+    let evaluations = looked + u64::from(method.start_evaluations());
+    (Some(started.map(|memory| (shorter, memory))), evaluations)
 }
 
 /// A state with which a motion can begin, on the constraints of the system to rounding.

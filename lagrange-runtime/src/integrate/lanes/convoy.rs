@@ -212,7 +212,11 @@ where
             let alone = || job.system.over(SingleLane::<P, A>::new);
             let at = pack.state.lane(i);
             let memory = || Some(pack.memories.now().lane(i));
-            match restart_shorter::<Alone<Sys, P, A, N>, M, _, _, N>(alone, self.method, memory, &at) {
+            let equal = self.fixed().then(|| SingleLane::new(pack.paces.h[i]));
+            let (restarted, evaluations) =
+                restart_shorter::<Alone<Sys, P, A, N>, M, _, _, N>(alone, self.method, memory, &at, equal);
+            pack.paces.evaluations[i] = pack.paces.evaluations[i].wrapping_sub(evaluations);
+            match restarted {
                 None => {}
                 Some(Ok((shorter, memory))) => {
                     pack.state.put(i, &shorter);
