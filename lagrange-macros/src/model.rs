@@ -253,7 +253,12 @@ impl Constraint {
 impl Coordinate {
     /// As a reader would call it: `theta`, `x[2]`; of a rotation its three parameters.
     pub fn label(&self) -> String {
-        indexed(&indexed(&self.name.to_string(), self.index), self.part)
+        indexed(&self.whole(), self.part)
+    }
+
+    /// The rotation or the direction that it is a part of, or itself.
+    pub fn whole(&self) -> String {
+        indexed(&self.name.to_string(), self.index)
     }
 }
 

@@ -154,8 +154,15 @@ pub fn inertia(g: &Graph, m: &Symmetric, momenta: &[Value], model: &Model, error
     let mut sound = true;
     for (i, coordinate) in coordinates.iter().enumerate() {
         if (0..m.len()).all(|j| entry(m, i, j).is_zero()) {
+            // (Once for the three of a rotation or a direction.)
+            if !sound && coordinate.part.is_some_and(|part| part > 0) && keywords.kinetic.is_some() {
+                continue;
+            }
             sound = false;
-            let label = coordinate.label();
+            let label = match keywords.kinetic {
+                Some(_) => coordinate.whole(),
+                None => coordinate.label(),
+            };
             let example = format!("`0.5 * m * dot({label}).powi(2)`");
             let linear = format!(
                 "`{energy}` is linear in `dot({label})`, so the acceleration of `{label}` is not determined\nhelp: a kinetic energy is of second degree in the velocities, such as {example}"
@@ -166,9 +173,19 @@ pub fn inertia(g: &Graph, m: &Symmetric, momenta: &[Value], model: &Model, error
             match &keywords.kinetic {
                 Some(keyword) if keyword == "L" => errors.push(keyword, whole),
                 Some(keyword) if !momenta[i].is_zero() => errors.push(keyword, linear),
-                _ => errors.push(&coordinate.name, format!(
-                    "the coordinate `{label}` has no kinetic energy, so its acceleration is not determined\nhelp: let `{energy}` depend on `dot({label})`, as in {example}, or remove the coordinate"
-                )),
+                _ => {
+                    let (kind, example) = match coordinate.kind {
+                        Kind::Rotation => {
+                            ("rotation", format!("`body(m, [A, B, C], frame(world, [0, 0, 0], {label}))`"))
+                        }
+                        Kind::Direction => ("direction", format!("`0.5 * m * dot({label}).norm_squared()`")),
+                        _ => ("coordinate", example),
+                    };
+                    let message = format!(
+                        "the {kind} `{label}` has no kinetic energy, so its acceleration is not determined\nhelp: let `{energy}` depend on `dot({label})`, as in {example}, or remove the {kind}"
+                    );
+                    errors.push(&coordinate.name, message)
+                }
             };
         }
     }
@@ -203,6 +220,35 @@ pub fn inertia(g: &Graph, m: &Symmetric, momenta: &[Value], model: &Model, error
         return false;
     }
     true
+}
+
+/// No inertia matrix under constraints that is singular by itself wherever it is tried: accelerations would be found by
+/// pivots that are rounding.
+pub fn own_inertia(g: &Graph, m: &[Vec<Value>], model: &Model, errors: &mut Errors) -> bool {
+    let own = m.to_vec();
+    let mut samples = (0..TRIALS).filter_map(|trial| singular_at(g, &own, trial));
+    let Some(Some(i)) = samples.next().filter(|_| !model.constraints.is_empty()) else { return true };
+    if !samples.all(|pivot| pivot.is_some()) {
+        return true;
+    }
+    let Model { coordinates, keywords, .. } = model;
+    let energy = keywords.kinetic.as_ref().map_or("T".into(), ToString::to_string);
+    let (name, whole) = (&coordinates[i].name, coordinates[i].whole());
+    let direction = coordinates.iter().find(|c| c.kind == Kind::Direction).map(Coordinate::whole);
+    let help = match direction {
+        Some(n) => format!(
+            "the energy of a length times a direction, `r * {n}`, is `0.5 * m * (dot(r).powi(2) + r.powi(2) * dot({n}).norm_squared())`: `{n}` and `dot({n})` are at right angles, which `{energy}` does not say"
+        ),
+        None => {
+            "give mass to every coordinate, also to those that constraints lead, or use fewer coordinates"
+                .into()
+        }
+    };
+    let message = format!(
+        "the inertia matrix is singular: without its constraint `{energy}` does not determine the acceleration of `{whole}` beside those of the other coordinates\nhelp: {help}"
+    );
+    errors.push(name, message);
+    false
 }
 
 /// [`inertia`] without constraints, which must be positive definite.

@@ -123,9 +123,15 @@ pub fn rows(g: &mut Graph, model: &Model, values: &[Value], errors: &mut Errors)
             continue;
         }
         if kind == ConstraintKind::Holonomic && squared::check(g, value, &row) {
-            refused(
-                "the gradient of the constraint `{}` vanishes wherever it holds, as that of a square does: it exerts no force\nhelp: write what is squared, `… == 0`, and for a sum of squares a constraint for each",
-            );
+            let help = match constraint.index {
+                None => "write what is squared, `… == 0`, and for a sum of squares a constraint for each",
+                Some(_) => {
+                    "of the components of two unit vectors that agree two are enough, `a[0] == b[0]` and `a[1] == b[1]`; and what is squared is written by itself, `… == 0`"
+                }
+            };
+            refused(&format!(
+                "the gradient of the constraint `{{}}` vanishes wherever it holds, as that of a square does: it exerts no force\nhelp: {help}"
+            ));
             continue;
         }
         let drift = g.forward(&[rate], in_time(&qd))[0];

@@ -92,7 +92,10 @@ pub fn formed(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Forme
     check::signs(g, &systems[0].matrix, &damping, &model.coordinates, &model.keywords, errors);
     // The bordered matrix is singular where constraints follow from others.
     let sound = match rows.redundancy {
-        None => systems.iter().all(|system| check::inertia(g, &system.matrix, momenta, model, errors)),
+        None => {
+            systems.iter().all(|system| check::inertia(g, &system.matrix, momenta, model, errors))
+                && check::own_inertia(g, &systems[0].matrix[..n], model, errors)
+        }
         Some(_) => check::definite_inertia(g, &systems[0].matrix[..n], momenta, model, errors),
     };
     let momenta = momenta.to_vec();

@@ -338,7 +338,7 @@ impl<'e> Elaborator<'e> {
                         "\nhelp: a point of a frame is `link.point([x, y, z])`, its origin `link.origin()`"
                     }
                     Val::Rotation(_) => {
-                        "\nhelp: a rotation turns frames, `frame(parent, [x, y, z], rotation)`, and vectors, `rotation * [x, y, z]`"
+                        "\nhelp: a rotation turns frames, `frame(parent, [x, y, z], rotation)`, and vectors, `rotation * [x, y, z]`: its matrix has the columns `rotation * [1, 0, 0]`, …"
                     }
                     Val::Closure(_) => {
                         "\nhelp: the absolute value is `abs(x)`; a function is `fn name(x) = …;`, and is called, `name(x)`"

@@ -506,8 +506,9 @@ fn rounding_of_a_gyroscopic_system_is_no_damping() {
 }
 
 /// A satellite whose smallest inertia is about the radius, and whose largest about the normal of the orbit, is at a
-/// minimum of V − T₀ in four attitudes, which turns by half a circle take to each other (Lagrange; Beletskii, *Motion of
-/// an Artificial Satellite about its Center of Mass*, 1966). Newton's method ends at parameters of 1e-170 beside some.
+/// minimum of V − T₀ in four attitudes, which turns by half a circle take to each other (Lagrange; Beletskii, *Motion
+/// of an Artificial Satellite about its Center of Mass*, 1966). Newton's method ends at parameters of 1e-170 beside
+/// some.
 #[test]
 fn attitudes_of_a_satellite_in_orbit() {
     use std::f64::consts::PI;

@@ -138,4 +138,67 @@ pub mod rates_and_elements_of_a_rotation {
     }
 }
 
+// Nothing turns with it: said once for its three parameters.
+pub mod without_inertia {
+    use lagrange_runtime::prelude::*;
+    lagrangian! {
+        system Turned {
+            coord R: rotation, P: rotation;
+            let hub = frame(world, [0, 0, 0], R);
+            T = body(1, [1, 1, 1], hub);
+            V = 0;
+        }
+    }
+}
+
+// Two vectors of length 1 that agree in two components agree.
+pub mod three_components_of_a_direction {
+    use lagrange_runtime::prelude::*;
+    lagrangian! {
+        system Upright {
+            coord R: rotation;
+            let hub = frame(world, [0, 0, 0], R);
+            T = body(1, [1, 1, 1], hub);
+            V = 0;
+            constraint up: R * [0, 0, 1] == [0, 0, 1];
+        }
+    }
+}
+
+// Along n there is inertia once, by r, and n · dot(n) = 0 is a constraint.
+pub mod length_times_direction {
+    use lagrange_runtime::prelude::*;
+    lagrangian! {
+        system Planet {
+            coord r: length, n: direction;
+            let place = r * n;
+            T = 0.5 * dot(place).norm_squared();
+            V = -1 / r;
+        }
+    }
+}
+
+pub mod kind_in_the_plural {
+    use lagrange_runtime::prelude::*;
+    lagrangian! {
+        system Pendulum {
+            coord n: directions;
+            T = 0.5 * dot(n).norm_squared();
+            V = n[2];
+        }
+    }
+}
+
+pub mod function_by_another_name {
+    use lagrange_runtime::prelude::*;
+    lagrangian! {
+        system Turned {
+            coord R: rotation;
+            let body = frame(world, [0, 0, 0], R);
+            T = body(1, [1, 1, 1], body);
+            V = 0;
+        }
+    }
+}
+
 fn main() {}

@@ -64,6 +64,12 @@ impl Elaborator<'_> {
                     "a function of time is a formula of `t`, `fn {text}(t) = …;`, or has data, `extern {text}: Curve(t);`"
                 );
                 let help = match entry {
+                    _ if is_rigid(&text)
+                        || METHODS.contains(&text.as_str())
+                        || TABLE.iter().any(|row| row.name == text) =>
+                    {
+                        format!("your `{text}` hides the function of that name: give it another name")
+                    }
                     Entry::Parameter(i) if of_time && self.found.parameters[i].input => {
                         format!(
                             "an input is a value that is held between steps: write `{text}`; {of_time_is}"
