@@ -270,3 +270,44 @@ fn the_compiler_finds_what_turns_together() {
         4
     );
 }
+
+lagrangian! {
+    /// A symmetric top by the attitude of a frame that spins about its axis: time drops out of the equations.
+    system Spun {
+        param A, C, w, s;
+        coord R: rotation;
+        let body_frame = frame(world, [0, 0, 0], R * rotation_z(s * t));
+        T = body(1, [A, A, C], body_frame);
+        V = w * body_frame.vector([0, 0, 1])[2];
+    }
+}
+
+lagrangian! {
+    /// A satellite with a wheel on a skew mount, aside from its centre of mass.
+    system Skew {
+        param A, B, C, J, tilt;
+        coord R: rotation, spin: angle;
+        let hull = frame(world, [0, 0, 0], R);
+        let wheel = frame(hull, [0.1, 0.2, 0], rotation([1, 2, 2], tilt) * rotation_z(spin));
+        T = body(1, [A, B, C], hull) + body(0.3, [0.5 * J, 0.5 * J, J], wheel);
+        V = hull.vector([0, 0, 1])[2];
+        pub routhian Gyrostat;
+    }
+}
+
+/// By sin² + cos² = 1 of an angle that stands behind a rotation. The spin's equation is that of a wheel without a motor,
+/// J (ω·a + ṡ) = p about its axis a.
+#[test]
+fn time_and_spin_drop_out_behind_rotations() {
+    assert!(Spun::<f64>::FACTS.autonomous && Spun::<f64>::FACTS.conservative);
+    assert_eq!(Skew::<f64>::FACTS.ignorable, [3]);
+    let skew = Skew::new(2.0, 3.0, 4.0, 0.5, 0.4);
+    let rest = State::new(0.0, [0.0; 4], [0.0, 0.0, 0.0, 7.0]);
+    let turn = UnitQuaternion::new(Vector3::new(0.3, -0.4, 0.9));
+    let start = skew.with_attitude_R(rest, &turn, &Vector3::new(0.5, -0.2, 0.3));
+    let (gyrostat, reduced) = skew.reduce(&start);
+    let controller = || PiController::tolerance(1e-12);
+    let whole = integrate(&skew, Dop853, controller(), start).until(3.0).final_state().unwrap();
+    let less = integrate(&gyrostat, Dop853, controller(), reduced).until(3.0).final_state().unwrap();
+    assert!(skew.attitude_R(&whole).angle_to(&gyrostat.attitude_R(&less)) < 1e-10);
+}

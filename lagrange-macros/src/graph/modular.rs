@@ -1,6 +1,6 @@
 //! Identities of rational expressions, by values in a finite field: exact, whatever the sizes of terms are.
 
-use super::{Graph, Id, Node, Number, Value, stable_map::IdMap};
+use super::{Function, Graph, Id, Node, Number, Value, stable_map::IdMap};
 
 /// 2⁶¹ − 1, which is prime.
 const P: u64 = (1 << 61) - 1;
@@ -74,10 +74,11 @@ fn reduce(rows: &mut [Vec<u64>], columns: usize) -> Vec<usize> {
 }
 
 impl Graph {
-    /// Does the expression vanish as a rational function of its symbols, and of its function values as if they were
-    /// symbols? By values at arbitrary elements of a field of 2⁶¹ − 1, where one that does not vanish is 0 in 10¹⁸ / d
-    /// of all cases for a degree d (Schwartz 1980). What functions have to do with each other (sin² + cos² = 1) is not
-    /// seen: then the answer is no.
+    /// Does the expression vanish as a rational function of its symbols, of sines and cosines of its angles, and of
+    /// other function values as if they were symbols? By values at arbitrary elements of a field of 2⁶¹ − 1, where one
+    /// that does not vanish is 0 in 10¹⁸ / d of all cases for a degree d (Schwartz 1980). Sine and cosine of an angle
+    /// are a point of the circle, and those of sums are by the addition theorems. What other functions have to do with
+    /// each other (√x √x = x) is not seen: then the answer is no.
     pub fn vanishes_as_rational(&self, v: Value) -> bool {
         (0..3).all(|trial| self.residues(&[v], trial).is_some_and(|all| all[0] == 0))
     }
@@ -123,6 +124,8 @@ impl Graph {
                 Node::Sum(a, b) => add(of(&values, *a)?, of(&values, *b)?),
                 Node::Product(a, b) => mul(at(*a)?, at(*b)?),
                 Node::Inverse(a) => inverse(at(*a)?)?,
+                Node::Call(Function::cos, angle, _) => self.on_circle(*angle, trial)[0],
+                Node::Call(Function::sin, angle, _) => self.on_circle(*angle, trial)[1],
                 Node::Symbol(_) | Node::Call(..) | Node::Extern(..) | Node::Select(..) => {
                     element(id.index() as u64, trial)
                 }
@@ -131,4 +134,53 @@ impl Graph {
         }
         of_interest.iter().map(|v| of(&values, *v)).collect()
     }
+
+    /// Cosine and sine of an angle: those of the sum of its terms, each a multiple of the angle of a node over
+    /// [`PARTS`].
+    fn on_circle(&self, angle: Value, trial: u64) -> [u64; 2] {
+        let terms = self.terms(angle).into_iter().map(|Value { k, node }| {
+            let key = element(node.map_or(0, |node| 1 + node.index() as u64), trial);
+            match k {
+                Number::Ratio(n, d) if node.is_some() && PARTS % d == 0 && n.abs() < LARGEST => {
+                    multiple(point(key), n * (PARTS / d))
+                }
+                // One that is no such multiple has an angle of its own.
+                Number::Ratio(n, d) => point(element(element(key, n as u64), d as u64)),
+                Number::Float(high, low) => point(element(element(key, high), low)),
+            }
+        });
+        terms.fold([1, 0], turned)
+    }
+}
+
+/// Parts of an angle of which multiples are known: halves, thirds, quarters.
+const PARTS: i64 = 12;
+
+/// Multiples of angles below this are known.
+const LARGEST: i64 = 1 << 32;
+
+/// A point of the circle, `((1 − t²)/(1 + t²), 2t/(1 + t²))`; −1 is no square in this field.
+fn point(t: u64) -> [u64; 2] {
+    let square = mul(t, t);
+    let under = inverse(add(1, square)).expect("1 + t² is not 0");
+    [mul(add(1, P - square), under), mul(mul(2, t), under)]
+}
+
+/// The sum of two angles.
+fn turned([c, s]: [u64; 2], [d, t]: [u64; 2]) -> [u64; 2] {
+    [add(mul(c, d), P - mul(s, t)), add(mul(s, d), mul(c, t))]
+}
+
+/// A multiple of an angle.
+fn multiple([c, s]: [u64; 2], times: i64) -> [u64; 2] {
+    let (mut power, mut rest) = ([c, if times < 0 { (P - s) % P } else { s }], times.unsigned_abs());
+    let mut all = [1, 0];
+    while rest > 0 {
+        if rest & 1 == 1 {
+            all = turned(all, power);
+        }
+        power = turned(power, power);
+        rest >>= 1;
+    }
+    all
 }

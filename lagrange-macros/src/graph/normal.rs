@@ -88,7 +88,8 @@ impl Graph {
         v.is_zero()
             || v.node.is_some()
                 && !self.differs_from_zero(v)
-                && self.multiplied_out(&[v], true, MAX_TERMS, true).is_some_and(|p| p[0].0.is_empty())
+                && (self.vanishes_as_rational(v)
+                    || self.multiplied_out(&[v], true, MAX_TERMS, true).is_some_and(|p| p[0].0.is_empty()))
     }
 
     /// The terms of a value multiplied out, with sums of angles expanded: factors with exponents, and a number.
@@ -355,5 +356,44 @@ mod tests {
             sum = g.add(sum, power);
         }
         assert!(g.vanishes(sum));
+    }
+
+    /// By values in a finite field, where sines and cosines are points of a circle: of multiples, parts and sums of
+    /// angles, however long the terms are, and of nothing else.
+    #[test]
+    fn identities_of_angles_are_proved_by_values() {
+        let g = &mut Graph::default();
+        let [a, b] = [0, 1].map(|i| g.symbol(Symbol::Coordinate(i)));
+        let both = |g: &mut Graph, x: Value| (g.call(Function::cos, x), g.call(Function::sin, x));
+        // cos(3a) = 4 cos³ a − 3 cos a, sin(a/2) cos(a/2) = ½ sin a
+        let (c, s) = both(g, a);
+        let (cubed, half) = (g.powi(c, 3).scaled(4.into()), a.scaled(Number::Ratio(1, 2)));
+        let (c3, _) = both(g, a.scaled(3.into()));
+        let cubed = g.sub(cubed, c.scaled(3.into()));
+        let difference = g.sub(c3, cubed);
+        assert!(g.vanishes_as_rational(difference));
+        let (ch, sh) = both(g, half);
+        let product = g.mul(ch, sh);
+        let difference = g.sub(product, s.scaled(Number::Ratio(1, 2)));
+        assert!(g.vanishes_as_rational(difference));
+        // (cos a + sin b)² − cos² a − 2 cos a sin b + cos² b = 1
+        let (cb, sb) = both(g, b);
+        let sum = g.add(c, sb);
+        let mut rest = g.powi(sum, 2);
+        let cross = g.mul(c, sb).scaled(2.into());
+        let squares = [g.powi(c, 2), cross];
+        for term in squares {
+            rest = g.sub(rest, term);
+        }
+        let square = g.powi(cb, 2);
+        rest = g.add(rest, square);
+        let one = g.sub(rest, Value::ONE);
+        assert!(g.vanishes_as_rational(one));
+        let other = g.sub(rest, cb);
+        assert!(!g.vanishes_as_rational(other));
+        // A multiple that is no ratio has an angle of its own.
+        let (near, _) = both(g, a.scaled(Number::Float((1.0f64 + 1e-15).to_bits(), 0)));
+        let difference = g.sub(near, c);
+        assert!(!g.vanishes_as_rational(difference));
     }
 }

@@ -10,7 +10,7 @@ use nalgebra::DVector;
 use nalgebra::{SVector, Vector3};
 
 /// Those of the attitudes, by their first coordinates, whose |σ|² is beyond `bound`.
-#[inline(always)]
+#[cfg(feature = "analysis")]
 pub(crate) fn beyond<'a, S: Real, const N: usize>(
     attitudes: &'a [usize],
     bound: f64,
