@@ -299,7 +299,8 @@ lagrangian! {
 /// J (ω·a + ṡ) = p about its axis a.
 #[test]
 fn time_and_spin_drop_out_behind_rotations() {
-    assert!(Spun::<f64>::FACTS.autonomous && Spun::<f64>::FACTS.conservative);
+    let facts = Spun::<f64>::FACTS;
+    assert!(facts.autonomous && facts.conservative);
     assert_eq!(Skew::<f64>::FACTS.ignorable, [3]);
     let skew = Skew::new(2.0, 3.0, 4.0, 0.5, 0.4);
     let rest = State::new(0.0, [0.0; 4], [0.0, 0.0, 0.0, 7.0]);

@@ -242,3 +242,113 @@ fn numbers_that_are_none_do_not_pass() {
         }
     }
 }
+
+macro_rules! scissors_lift {
+    ($name:ident, $stages:literal, $last:ident, $other:ident) => {
+        lagrangian! {
+            /// A scissors lift: bars a and b of each stage are pinned in the middle, x is the foot that slides.
+            pub system $name {
+                const N = $stages;
+                param L, m, I, W, foot, g = 9.81;
+                coord a: [N], b: [N], x;
+                let px: [N] = |i| if i == 0 { 0 } else { px[i - 1] + L * cos(if i % 2 == 1 { a[i - 1] } else { b[i - 1] }) };
+                let py: [N] = |i| if i == 0 { 0 } else { py[i - 1] + L * sin(if i % 2 == 1 { a[i - 1] } else { b[i - 1] }) };
+                let qx: [N] = |i| if i == 0 { x } else { qx[i - 1] + L * cos(if i % 2 == 1 { b[i - 1] } else { a[i - 1] }) };
+                let qy: [N] = |i| if i == 0 { 0 } else { qy[i - 1] + L * sin(if i % 2 == 1 { b[i - 1] } else { a[i - 1] }) };
+                let pin_px: [N] = |i| px[i] + 0.5 * L * cos(if i % 2 == 0 { a[i] } else { b[i] });
+                let pin_py: [N] = |i| py[i] + 0.5 * L * sin(if i % 2 == 0 { a[i] } else { b[i] });
+                let pin_qx: [N] = |i| qx[i] + 0.5 * L * cos(if i % 2 == 0 { b[i] } else { a[i] });
+                let pin_qy: [N] = |i| qy[i] + 0.5 * L * sin(if i % 2 == 0 { b[i] } else { a[i] });
+                let top = py[N - 1] + L * sin($last[N - 1]);
+                T = 0.5 * m * (0..N).map(|i| dot(pin_px[i]).powi(2) + dot(pin_py[i]).powi(2) + dot(pin_qx[i]).powi(2) + dot(pin_qy[i]).powi(2)).sum()
+                    + 0.5 * I * (0..N).map(|i| dot(a[i]).powi(2) + dot(b[i]).powi(2)).sum()
+                    + 0.5 * W * dot(top).powi(2) + 0.5 * foot * dot(x).powi(2);
+                V = g * m * (0..N).map(|i| pin_py[i] + pin_qy[i]).sum() + g * W * top;
+                redundant constraint across: [N] = |i| pin_px[i] == pin_qx[i];
+                redundant constraint along: [N] = |i| pin_py[i] == pin_qy[i];
+                redundant constraint level: top == qy[N - 1] + L * sin($other[N - 1]);
+            }
+        }
+    };
+}
+scissors_lift!(ThreeStages, 3, a, b);
+scissors_lift!(SixStages, 6, b, a);
+
+lagrangian! {
+    /// Two stages by four conditions, none of which follows from the others.
+    pub system TwoStages {
+        param L, m, I, g = 9.81;
+        coord a: [2], b: [2], x;
+        let feet = [[0, 0], [x, 0], [x + L * cos(b[0]), L * sin(b[0])], [L * cos(a[0]), L * sin(a[0])]];
+        let angles = [a[0], b[0], a[1], b[1]];
+        let pins: [4] = |i| [feet[i][0] + 0.5 * L * cos(angles[i]), feet[i][1] + 0.5 * L * sin(angles[i])];
+        T = 0.5 * m * pins.map(|p| dot(p).norm_squared()).sum() + 0.5 * I * angles.map(|a| dot(a).powi(2)).sum();
+        V = m * g * pins.map(|p| p[1]).sum();
+        constraint lower: pins[0] == pins[1];
+        constraint upper: pins[2] == pins[3];
+    }
+}
+
+/// Angular acceleration of a lift by its one angle φ, with `x = L cos φ` and L = 1, by Lagrange's equation.
+fn lifted([m, i, load, foot]: [f64; 4], stages: usize, [angle, rate]: [f64; 2]) -> f64 {
+    let (s, c) = angle.sin_cos();
+    let n = stages as f64;
+    let (mut across, mut up, mut weight) = (foot, load * n * n, n * load);
+    for k in 0..stages {
+        let height = k as f64 + 0.5;
+        (across, up, weight) = (across + 0.5 * m, up + 2.0 * m * height * height, weight + 2.0 * m * height);
+    }
+    let inertia = 2.0 * n * i + across * s * s + up * c * c;
+    -((across - up) * s * c * rate * rate + 9.81 * weight * c) / inertia
+}
+
+/// Both bars of each stage may lie on each other, too: x = 0, and all stages turn freely. There fewer conditions are
+/// independent, and a search of the compiler from arbitrary places finds that assembly first, or that alone.
+#[test]
+fn a_lift_is_not_the_assembly_in_which_its_bars_lie_on_each_other() {
+    let masses = [0.5, 0.04, 2.0, 0.3];
+    macro_rules! lift {
+        ($lift:expr, $stages:literal, $masses:expr) => {
+            let lift = $lift;
+            const SIZE: usize = 2 * $stages + 1;
+            let place = |[angle, rate]: [f64; 2]| {
+                let (mut q, mut qd) = ([0.0; SIZE], [0.0; SIZE]);
+                for i in 0..$stages {
+                    (q[i], q[$stages + i], qd[i], qd[$stages + i]) = (angle, PI - angle, rate, -rate);
+                }
+                (q[SIZE - 1], qd[SIZE - 1]) = (angle.cos(), -angle.sin() * rate);
+                State::new(0.0, q, qd)
+            };
+            for at in [[1.0, 0.3], [0.5, 4.0], [1.4, -2.0], [1.5, 1.0]] {
+                let (found, exact) = (lift.accel_at(&place(at)), lifted($masses, $stages, at));
+                let off = (0..2 * $stages).map(|i| (found[i].abs() - exact.abs()).abs()).fold(0.0, f64::max);
+                assert!(off < 1e-9, "{} {at:?}: {} for {exact}", $stages, found[0]);
+            }
+            // By the classical method in one coordinate.
+            let (mut at, h) = ([1.0, 0.5], 1e-4);
+            for _ in 0..4000 {
+                let rates = |at: [f64; 2]| [at[1], lifted($masses, $stages, at)];
+                let after = |k: [f64; 2], h: f64| [at[0] + h * k[0], at[1] + h * k[1]];
+                let a = rates(at);
+                let b = rates(after(a, 0.5 * h));
+                let c = rates(after(b, 0.5 * h));
+                let d = rates(after(c, h));
+                at = [0, 1].map(|i| at[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]));
+            }
+            let run = integrate(&lift, Dop853, PiController::tolerance(1e-10), place([1.0, 0.5]));
+            let end = run.until(0.4).final_state().unwrap();
+            assert!((end.q - place(at).q).amax() < 1e-8, "{}: {} for {at:?}", $stages, end.q);
+        };
+    }
+    {
+        assert_eq!(TwoStages::<f64>::FACTS.redundancy, None);
+        lift!(TwoStages::new(1.0, 0.5, 0.04), 2, [0.5, 0.04, 0.0, 0.0]);
+    }
+    {
+        assert_eq!(ThreeStages::<f64>::FACTS.redundancy.and_then(|redundancy| redundancy.rank), None);
+        lift!(ThreeStages::new(1.0, 0.5, 0.04, 2.0, 0.3), 3, masses);
+    }
+    {
+        lift!(SixStages::new(1.0, 0.5, 0.04, 2.0, 0.3), 6, masses);
+    }
+}

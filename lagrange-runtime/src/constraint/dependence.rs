@@ -224,8 +224,8 @@ where
     (metric && products.iter().all(|x| x.is_finite())).then_some(products)
 }
 
-/// Number of constraints that do not follow from others; where the compiler does not know it, by their products at the
-/// start of a run, scaled by these squares.
+/// Number of constraints that do not follow from others: what the compiler knows, or more by their products at the start
+/// of a run, scaled by these squares, as other assemblies of a mechanism may have.
 fn usual_rank<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     start: Option<&SMatrix<f64, M, M>>,
     squares: [f64; M],
@@ -236,7 +236,7 @@ where
     let Some(redundancy) = Sys::FACTS.redundancy else { return Some(M) };
     let by_numbers =
         || Some(Elimination::new(start?, squares).dependent(BRINK).map_or(M, |found| found.rank));
-    redundancy.rank.or_else(by_numbers)
+    redundancy.rank.max(by_numbers())
 }
 
 /// A row that depends on those that were chosen before it.

@@ -6,7 +6,8 @@ use crate::state::constant;
 use nalgebra::{SMatrix, SVector};
 
 /// Square of the sine of the angle between a gradient and the span of others at which it is taken for one of this
-/// span: where the rank is known, rounding; where it is not, the distance from the constraints of a stage of a step.
+/// span: of as many as are known to be independent, rounding; of others, the distance from the constraints of a stage
+/// of a step.
 const ROUNDED: f64 = 1e-26;
 const NEAR: f64 = 1e-6;
 
@@ -17,8 +18,9 @@ const NEAR: f64 = 1e-6;
 /// With `M = B Bᵀ` that is the complete orthogonal decomposition of `B⁻¹ Aᵀ` (Golub and Van Loan, *Matrix
 /// Computations*, 2013, 5.4.7): by Gram–Schmidt orthogonalization with column pivoting, made twice
 /// (Björck, *Numerical Methods for Least Squares Problems*, 1996, 2.4.5), it is `Q R` with as many rows of R as the
-/// rank, and `Rᵀ = U T`. The rank is the one that is given, at most; without it, pivots decide. There are no
-/// branches: numbers side by side choose their pivots each for itself, and derivatives pass through.
+/// rank, and `Rᵀ = U T`. The rank is the one that is given, or more in another assembly of a mechanism
+/// than the compiler found; without it, pivots decide. There are no branches: numbers side by side choose their pivots
+/// each for itself, and derivatives pass through.
 pub fn least_norm<S: Scalar, const N: usize, const M: usize>(
     lower: &[S],
     rows: &[[S; N]; M],
@@ -31,25 +33,33 @@ pub fn least_norm<S: Scalar, const N: usize, const M: usize>(
     let mut columns: [SVector<S, N>; M] = core::array::from_fn(|j| inertia.half(&SVector::from(rows[j])));
     let free = inertia.half(right);
     let lack = SVector::<S, M>::from_fn(|j, _| rates[j] - dot(&columns[j], &free));
-    let (most, brink) = match rank {
-        Some(rank) => (rank.min(N).min(M), S::from_f64(ROUNDED)),
-        None => (N.min(M), S::from_f64(NEAR)),
+    let most = N.min(M);
+    let brink = |k: usize| {
+        S::from_f64(match rank {
+            Some(rank) if k < rank => ROUNDED,
+            _ => NEAR,
+        })
     };
-    let mut largest = S::zero();
+    // Gradients count by the part of them that is left, whatever their units.
+    let per_size = columns.map(|column| {
+        let size = dot(&column, &column);
+        S::one() / S::select(Comparison::Equal, size, S::zero(), S::one(), size)
+    });
     let mut q = [constant::<S, N>(S::zero()); M];
     let mut r = [constant::<S, M>(S::zero()); M];
     for k in 0..most {
-        let (mut pivot, mut size) = (columns[0], dot(&columns[0], &columns[0]));
-        for column in &columns[1..] {
-            let other = dot(column, column);
+        let part = |j: usize| dot(&columns[j], &columns[j]) * per_size[j];
+        let (mut pivot, mut most_left) = (columns[0], part(0));
+        for j in 1..M {
+            let left = part(j);
             for i in 0..N {
-                pivot[i] = S::select(Comparison::Less, size, other, column[i], pivot[i]);
+                pivot[i] = S::select(Comparison::Less, most_left, left, columns[j][i], pivot[i]);
             }
-            size = S::select(Comparison::Less, size, other, other, size);
+            most_left = S::select(Comparison::Less, most_left, left, left, most_left);
         }
-        largest = if k == 0 { size } else { largest };
-        let limit = largest * brink;
-        pivot = direction(&pivot, size, limit);
+        let size = dot(&pivot, &pivot);
+        let size = S::select(Comparison::LessEqual, most_left, brink(k), S::zero(), size);
+        pivot = direction(&pivot, size, S::zero());
         for before in &q[..k] {
             let part = dot(before, &pivot);
             pivot = SVector::from_fn(|i, _| pivot[i] - before[i] * part);

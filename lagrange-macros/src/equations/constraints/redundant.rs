@@ -72,36 +72,45 @@ pub fn examined(
         && (g.depends(&[&rows.values[..], &rows.rates].concat(), |s| s == Symbol::Time)
             || rest().iter().any(|rate| rate.abs() > 1e-12));
     let mut places: Vec<(Place, usize)> = Vec::new();
-    for trial in 0..starts {
+    for trial in 0..MORE_STARTS {
+        // Where constraints seem to follow from others, other assemblies are looked for: both bars of a stage of a lift
+        // may lie on each other, and then fewer conditions are independent than in the lift.
+        let independent = places.iter().all(|(_, rank)| *rank == m);
+        if independent && (places.len() >= PLACES || trial >= starts) {
+            break;
+        }
         let Some(place) = (Search { g, model, rows, trial }).place() else { continue };
         let Some(rank) = rank(place.iter()) else { continue };
         // An assembly that cannot move is none of a mechanism.
         if rank < n || driven {
             places.push((place, rank));
         }
-        if places.len() == PLACES {
-            break;
-        }
+    }
+    if !driven {
+        keep_movable(&mut places);
     }
     let ranks = places.iter().map(|(_, rank)| *rank);
     let (least, most) = (ranks.clone().min(), ranks.max());
-    let rank = match (least, most) {
-        (Some(least), Some(most)) if most < m => Some(least).filter(|_| least == most),
-        (Some(least), Some(_)) if least == m && !declared => return Ok(None),
-        (None, _) if m >= n && !declared && !driven => {
+    let rank = match most {
+        // Where assemblies have different ranks, that at hand is told by numbers.
+        Some(most) if most < m => Some(most).filter(|_| least == Some(most)),
+        // Of those in which all constraints are independent no more is asked; in others parts lie on each other.
+        Some(_) if !declared => return Ok(None),
+        None if m >= n && !declared && !driven => {
             let message = format!(
                 "{m} constraints on {n} coordinates leave no motion to find\nhelp: use fewer constraints, or more coordinates; a drive is a function of time, `coord a = w * t;`; of a mechanism that moves for special values of its parameters, write `redundant constraint {}: …`",
                 constraints[n - 1].name
             );
             return Err(errors.push(&constraints[n - 1].name, message));
         }
-        (None, _) if !declared => return Ok(None),
+        None if !declared => return Ok(None),
         _ => None,
     };
-    let places: Vec<Place> = places.into_iter().filter(|(_, r)| Some(*r) == least).map(|(p, _)| p).collect();
-    let least = least.unwrap_or(m);
-    let undetermined: Vec<usize> = (0..m).filter(|j| least < m && spans(&places, &[*j], least)).collect();
-    let superfluous = if rank.is_some() { superfluous(&places, &undetermined, least) } else { Vec::new() };
+    let meant = places.into_iter().filter(|(_, rank)| Some(*rank) == most).map(|(place, _)| place);
+    let places: Vec<Place> = meant.take(PLACES).collect();
+    let most = most.unwrap_or(m);
+    let undetermined: Vec<usize> = (0..m).filter(|j| most < m && spans(&places, &[*j], most)).collect();
+    let superfluous = if rank.is_some() { superfluous(&places, &undetermined, most) } else { Vec::new() };
     let redundancy = Redundancy { rank, undetermined, superfluous };
     if !declared {
         let at = &constraints[*redundancy.undetermined.last().unwrap_or(&(m - 1))].name;
@@ -131,6 +140,30 @@ impl Redundancy {
             "{}; multipliers of least norm are given, and single reactions are not determined\nhelp: leave it out, or write `redundant constraint` if it is meant",
             self.sentence(model)
         )
+    }
+}
+
+/// Leaves out assemblies of which a part cannot move that moves in others: those are none of a mechanism. A part has
+/// the coordinates that constraints tie to each other.
+fn keep_movable(places: &mut Vec<(Place, usize)>) {
+    let n = places.first().and_then(|(place, _)| place.first()).map_or(0, Vec::len);
+    let mut part_of: Vec<usize> = (0..n).collect();
+    for row in places.iter().flat_map(|(place, _)| place) {
+        let tied: Vec<usize> = (0..n).filter(|i| row[*i] != 0.0).map(|i| part_of[i]).collect();
+        let Some(&part) = tied.first() else { continue };
+        part_of.iter_mut().filter(|of| tied.contains(of)).for_each(|of| *of = part);
+    }
+    let of_part = |place: &Place, part: usize| {
+        let is_own = |row: &&Vec<f64>| (0..n).any(|i| row[i] != 0.0 && part_of[i] == part);
+        rank(place.iter().filter(is_own)).unwrap_or(0)
+    };
+    for part in 0..n {
+        let size = part_of.iter().filter(|of| **of == part).count();
+        let ranks: Vec<usize> = places.iter().map(|(place, _)| of_part(place, part)).collect();
+        if ranks.iter().any(|rank| *rank < size) {
+            let mut ranks = ranks.into_iter();
+            places.retain(|_| ranks.next().is_some_and(|rank| rank < size));
+        }
     }
 }
 
