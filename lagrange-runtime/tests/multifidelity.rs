@@ -670,3 +670,114 @@ fn quantiles_that_make_no_sense_are_refused() {
     let found = short.pilot_samples(896).quantile_to_half_width(0.99, 0.01).expect("a sound study");
     assert!(!found.reached && found.confidence_interval(0.999)[1] == f64::INFINITY, "{found:?}");
 }
+
+/// x, and x with an error, of one draw.
+fn two_normals(mut rng: Generator) -> [f64; 2] {
+    let [x, e]: [f64; 2] = core::array::from_fn(|_| StandardNormal.sample(&mut rng));
+    [x, x + 0.1 * e]
+}
+
+/// E[x | x ≤ 1] = −φ(1)/Φ(1) = −0.28760, of samples in which the full model alone has no output; the mean of all is 0
+/// where the cheap one alone has none.
+#[test]
+fn samples_of_one_model_alone_are_no_control_variate() {
+    let lost = |is_lost: bool, x: f64, output: f64| if is_lost && x > 1.0 { f64::NAN } else { output };
+    for (of_full, of_cheap, exact, median) in
+        [(true, false, -0.28760, -0.2027), (false, true, 0.0, 0.0), (true, true, -0.28760, -0.2027)]
+    {
+        let full = move |rng: Generator| {
+            let [x, y] = two_normals(rng);
+            lost(of_full, x, y)
+        };
+        let cheap = move |rng: Generator| {
+            let [x, _] = two_normals(rng);
+            lost(of_cheap, x, x)
+        };
+        let cheap = ClosedForm::new(cheap).cost(0.001);
+        let study = Multifidelity::new(Random::seed(1), 10_000_000, ClosedForm::new(full), cheap);
+        let study = study.threads(1).pilot_samples(1024);
+        let found = study.to_half_width(0.01).expect("a study");
+        assert!((found.mean() - exact).abs() < 0.02, "{of_full} {of_cheap}: {}", found.mean());
+        assert_eq!(found.pilot.gain.is_some(), of_full == of_cheap);
+        let found = study.quantile_to_half_width(0.5, 0.02).expect("a study");
+        assert!((found.quantile() - median).abs() < 0.04, "{of_full} {of_cheap}: {}", found.quantile());
+    }
+    // One that comes after the pilot, in a few samples of a thousand.
+    let rare = |rng: Generator| {
+        let [x, y] = two_normals(rng);
+        if x > 2.6 { f64::NAN } else { y }
+    };
+    let cheap = ClosedForm::new(|rng| two_normals(rng)[0]).cost(0.001);
+    let study = Multifidelity::new(Random::seed(3), 10_000_000, ClosedForm::new(rare), cheap).threads(1);
+    let found = study.to_half_width(0.01).expect("a study");
+    let exact = -0.013583 / 0.995339;
+    assert!((found.mean() - exact).abs() < 0.02, "{}", found.mean());
+    assert!(found.not_finite > 0);
+}
+
+/// Outputs that many samples share, and a gap in which there are none, are no reason to take all samples.
+#[test]
+fn quantiles_in_atoms_and_beside_gaps_take_few_samples() {
+    let of = |output: fn(f64) -> f64, p: f64, half_width: f64| {
+        let full = ClosedForm::new(move |rng| output(two_normals(rng)[1]));
+        let cheap = ClosedForm::new(move |rng| output(two_normals(rng)[0])).cost(0.01);
+        let study = Multifidelity::new(Random::seed(1), 4_000_000, full, cheap).threads(1);
+        study.quantile_to_half_width(p, half_width).expect("a study")
+    };
+    for (output, p, exact) in [
+        ((|x| x.clamp(-1.0, 1.0)) as fn(f64) -> f64, 0.95, 1.0),
+        (|x| x.round(), 0.5, 0.0),
+        (|x| x.round(), 0.95, 2.0),
+        (|x| f64::from(u8::from(x > 1.0)), 0.95, 1.0),
+    ] {
+        let found = of(output, p, 0.05);
+        assert!(found.reached && found.quantile().abs() == exact && found.samples[0] < 5000, "{found:?}");
+    }
+    let modes = |x: f64| x + if x < 0.12566 { -10.0 } else { 10.0 };
+    let found = of(modes, 0.5, 0.2);
+    assert!(
+        found.reached && found.samples[0] < 100_000 && (found.quantile() + 10.0).abs() < 0.5,
+        "{found:?}"
+    );
+}
+
+#[test]
+fn the_number_of_samples_bounds_the_ratio() {
+    let full = |rng: Generator| {
+        let [x, y] = two_normals(rng);
+        0.9 * x + 0.19f64.sqrt() * (y - x) * 10.0
+    };
+    let cheap = ClosedForm::new(|rng| two_normals(rng)[0]).cost(1e-6);
+    let study = Multifidelity::new(Random::seed(1), 300_000, ClosedForm::new(full), cheap).threads(1);
+    let found = study.to_half_width(0.03).expect("a study");
+    assert!(found.reached && found.samples[0] < 3000, "{found:?}");
+    let found = study.pilot_samples(1024).quantile_to_half_width(0.5, 0.03).expect("a study");
+    assert!(found.reached, "{found:?}");
+}
+
+#[test]
+fn units_and_bounds_of_a_study() {
+    let of = |unit: f64, samples: u64| {
+        let full = ClosedForm::new(move |rng| unit * two_normals(rng)[1]);
+        let cheap = ClosedForm::new(|rng| two_normals(rng)[0]).cost(0.01);
+        Multifidelity::new(Random::seed(1), samples, full, cheap).threads(1)
+    };
+    let usual = of(1.0, 1_000_000).to_half_width(0.02).expect("a study");
+    for unit in [2f64.powi(-460), 2f64.powi(500)] {
+        let found = of(unit, 1_000_000).to_half_width(0.02 * unit).expect("a study");
+        assert_eq!((found.mean() / unit, found.samples), (usual.mean(), usual.samples));
+        assert!(found.reached && (found.cost_ratio() - usual.cost_ratio()).abs() < 1e-12);
+    }
+    let error = of(1e-200, 1_000_000).to_half_width(1e-202).expect_err("squares of 0");
+    assert!(error.to_string().contains("smaller units"), "{error}");
+    // One cheap sample beyond the pairs has no variance.
+    assert!(of(1.0, 193).to_half_width(1e-3).expect("a study").half_width(0.95).is_finite());
+    // (One less than 1e17 is 1e17.)
+    for budget in [1e17, 1e18, f64::INFINITY] {
+        assert!(!of(1.0, 10_000).within_budget(budget).expect("a study").reached);
+    }
+    let error = of(1.0, 10_000).pilot_samples(u64::MAX).pilot().expect_err("no room");
+    assert!(error.to_string().contains("no room"), "{error}");
+    let found = of(1.0, 100_000).quantile_to_half_width(0.5, 0.05).expect("a study");
+    assert!(found.confidence_interval(f64::NAN).iter().all(|end| end.is_nan()));
+}

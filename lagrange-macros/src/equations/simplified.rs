@@ -255,6 +255,10 @@ fn subtract(g: &mut Graph, model: &mut Model, terms: Value) {
 /// are written. The velocities −M⁻¹ b̃ are those that the mean has lost.
 fn average(g: &mut Graph, model: &mut Model, phase: Value) -> Result<(), String> {
     let (n, mechanical) = (model.coordinates.len(), model.mechanical());
+    let all = [&[model.lagrangian, model.dissipation][..], &model.applied].concat();
+    if !g.depends(&all, |s| s == Symbol::Time) {
+        return Err("nothing depends on time, so that nothing is averaged".into());
+    }
     let angle = Symbol::Given(0);
     let alpha = g.symbol(angle);
     let rate = g.forward(&[phase], |s| (s == Symbol::Time).then_some(Value::ONE))[0];

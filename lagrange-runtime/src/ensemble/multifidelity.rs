@@ -52,7 +52,12 @@ pub use quantile::QuantileEstimate;
 /// sample both models are given the same draw of the source, whose draws have to be independent:
 /// [`Random`](super::Random), or a [`Table`](super::Table) of such, and no Sobol points.
 ///
-/// A sample that one of its models fails is lost, and counted: the mean is that over samples that both can run.
+/// The mean, or quantile, is that over samples that the full model can run, with a finite output; others are counted.
+/// Where one of the models has an output and the other has none, the cheap one says nothing of that mean: there is no
+/// gain if the pilot meets such a sample, and if one comes later the estimate is made of the full model's samples alone.
+///
+/// Differences of the models that are rarer than one in the samples of the full model are not seen, and an interval
+/// does not know of them.
 ///
 /// ```
 /// use lagrange_runtime::ensemble::{ConfidenceInterval, Multifidelity, Random, Simulation, rand_distr::{Distribution, Normal}};
@@ -102,7 +107,8 @@ pub struct Multifidelity<'p, Src, F, G> {
     samples: u64,
     full: F,
     cheap: G,
-    pilot: u64,
+    /// Samples of the pilot, if they are given.
+    pilot: Option<u64>,
     confidence: f64,
     settings: Settings<'p>,
 }
@@ -145,6 +151,9 @@ pub struct Allocation {
     pub cost_ratio: f64,
 }
 
+/// Smallest standard deviation whose square has all digits, after a division by many samples.
+const SMALLEST: f64 = 1e-140;
+
 /// Largest ratio of samples that is used, however well the models agree.
 const MAX_RATIO: f64 = 1e6;
 
@@ -169,8 +178,7 @@ fn are_frequent(samples: u64, agreeing: u64) -> bool {
 impl Pilot {
     /// The correlation and costs of the pilot, and what follows from them.
     ///
-    /// There is a gain if there is one at the lower end of the one-sided 95 % interval of |ρ| as well (Fisher's z,
-    /// 1921): a chance agreement of few samples is none. Nor is there one that is known where outputs agree but for
+    /// There is a gain if there is one at the lower end of the 95 % interval of |ρ| as well (Fisher's z, 1921): a chance agreement of few samples is none. Nor is there one that is known where outputs agree but for
     /// fewer than 32 samples.
     fn new(outputs: &Covariances<2>, agreeing: u64, cost: [f64; 2]) -> Self {
         let [[a, b], [_, c]] = outputs.covariance();
@@ -178,7 +186,7 @@ impl Pilot {
         let standard_deviation = [a.sqrt(), c.sqrt()];
         let w = cost[1] / cost[0];
         let z = correlation.abs().min(1.0 - 1e-15).atanh();
-        let low = (z - 1.645 / (samples as f64 - 3.0).sqrt()).max(0.0).tanh();
+        let low = (z - 1.96 / (samples as f64 - 3.0).sqrt()).max(0.0).tanh();
         let ratio = (correlation.powi(2) / (w * (1.0 - correlation.powi(2)))).sqrt().min(MAX_RATIO);
         // Of a constant output the correlation is not a number.
         let coefficient = b / c;
@@ -310,9 +318,23 @@ enum Kind {
 /// Outputs of a sample, and the work of either model.
 struct Paired {
     kind: Kind,
-    /// The outputs, unless a model failed.
-    outputs: Option<[f64; 2]>,
+    /// The outputs; not a number where a model failed.
+    outputs: [f64; 2],
+    failed: bool,
     work: [u64; 2],
+}
+
+impl Paired {
+    /// Does one model alone have an output?
+    fn is_unlike(&self) -> bool {
+        let [full, cheap] = self.outputs.map(f64::is_finite);
+        matches!(self.kind, Kind::Pilot | Kind::Pair) && full != cheap
+    }
+
+    /// Is an output infinite or not a number, that no failure explains?
+    fn is_not_finite(&self) -> bool {
+        !self.failed && self.outputs.iter().any(|output| !output.is_finite())
+    }
 }
 
 /// Statistics of all parts of a study, in one state: the pilot's are recognized when a study is resumed.
@@ -326,9 +348,12 @@ struct Sums {
     work: [u64; 2],
     /// Samples of the pilot, and pairs after it, whose outputs are equal.
     agreeing: [u64; 2],
+    /// Samples of the pilot, and pairs after it, in which one model alone has an output.
+    unlike: [u64; 2],
+    not_finite: u64,
 }
 
-record_fields!(Sums { pilot, pairs, cheap, full, pilot_work, work, agreeing });
+record_fields!(Sums { pilot, pairs, cheap, full, pilot_work, work, agreeing, unlike, not_finite });
 
 struct Summed;
 
@@ -347,22 +372,27 @@ impl Statistic<Paired> for Summed {
             pilot_work: [0; 2],
             work: [0; 2],
             agreeing: [0; 2],
+            unlike: [0; 2],
+            not_finite: 0,
         }
     }
 
     fn add(&self, state: &mut Sums, index: u64, sample: &Paired) {
         let work = if sample.kind == Kind::Pilot { &mut state.pilot_work } else { &mut state.work };
         (0..2).for_each(|model| work[model] += sample.work[model]);
-        let Some(outputs) = &sample.outputs else { return };
-        let agrees = u64::from(outputs[0] == outputs[1]);
-        match sample.kind {
-            Kind::Pilot => state.agreeing[0] += agrees,
-            Kind::Pair => state.agreeing[1] += agrees,
-            Kind::Cheap | Kind::Full => {}
+        let outputs = &sample.outputs;
+        let part = usize::from(sample.kind != Kind::Pilot);
+        if matches!(sample.kind, Kind::Pilot | Kind::Pair) {
+            state.agreeing[part] += u64::from(outputs[0] == outputs[1]);
+            state.unlike[part] += u64::from(sample.is_unlike());
         }
+        state.not_finite += u64::from(sample.is_not_finite());
         match sample.kind {
             Kind::Pilot => PAIRS.add(&mut state.pilot, index, outputs),
-            Kind::Pair => PAIRS.add(&mut state.pairs, index, outputs),
+            Kind::Pair => {
+                PAIRS.add(&mut state.pairs, index, outputs);
+                Moments.add(&mut state.full, index, &outputs[0]);
+            }
             Kind::Cheap => Moments.add(&mut state.cheap, index, &outputs[1]),
             Kind::Full => Moments.add(&mut state.full, index, &outputs[0]),
         }
@@ -376,6 +406,8 @@ impl Statistic<Paired> for Summed {
         (0..2).for_each(|model| state.pilot_work[model] += later.pilot_work[model]);
         (0..2).for_each(|model| state.work[model] += later.work[model]);
         (0..2).for_each(|part| state.agreeing[part] += later.agreeing[part]);
+        (0..2).for_each(|part| state.unlike[part] += later.unlike[part]);
+        state.not_finite += later.not_finite;
     }
 
     fn describe(&self) -> String {
@@ -447,7 +479,7 @@ where
                 output.err().map(|failure| FailedEvaluation { index, model, failure })
             });
             let outputs = outputs.map(|output| output.unwrap_or(f64::NAN));
-            (index, Paired { kind, outputs: failed.is_none().then_some(outputs), work }, failed)
+            (index, Paired { kind, outputs, failed: failed.is_some(), work }, failed)
         };
         all.into_iter().map(paired).collect()
     }
@@ -481,24 +513,28 @@ where
 struct ToGoal<'a> {
     goal: Goal,
     confidence: f64,
-    /// Leaves of the pilot.
+    /// Leaves of the pilot, and those after it.
     pilot: u64,
+    leaves: u64,
+    /// Looks are taken before the predicted end, too.
+    looks_early: bool,
     unit_cost: [f64; 2],
     plan: &'a OnceLock<Pilot>,
 }
 
 impl ToGoal<'_> {
-    /// The pilot by its outputs, of which so many agree, and its work.
+    /// The pilot by its outputs, of which so many agree and so many are of one model alone, and its work.
     fn pilot_of(
         &self,
         outputs: &Covariances<2>,
-        agreeing: u64,
+        [agreeing, unlike]: [u64; 2],
         work: [u64; 2],
     ) -> Result<Pilot, EnsembleError> {
         let count = outputs.count();
         let work = work.map(|work| work as f64 / (self.pilot * LEAF) as f64);
         let cost = [work[0] * self.unit_cost[0], work[1] * self.unit_cost[1]];
-        let pilot = Pilot::new(outputs, agreeing, cost);
+        let mut pilot = Pilot::new(outputs, agreeing, cost);
+        pilot.gain = pilot.gain.filter(|_| unlike == 0);
         let [deviation, _] = pilot.standard_deviation;
         if count < 8 {
             let what = format!(
@@ -511,10 +547,10 @@ impl ToGoal<'_> {
             let what = "the squares of the full model's outputs are beyond the largest number; help: give the output in larger units";
             return Err(EnsembleError::Refused(what.into()));
         }
-        if deviation == 0.0 {
+        if deviation < SMALLEST {
             let what = format!(
-                "the output of the full model is the same for all {count} samples of the pilot; help: give the pilot more samples, as \
-                 `.pilot_samples(4096)`, or an output that depends on the draw"
+                "the output of the full model is the same for all {count} samples of the pilot, or differs by less than {SMALLEST:e}; help: give \
+                 the pilot more samples, as `.pilot_samples(4096)`, or an output that depends on the draw, or smaller units"
             );
             return Err(EnsembleError::Refused(what));
         }
@@ -522,23 +558,29 @@ impl ToGoal<'_> {
     }
 
     /// An allocation with fewer cheap samples, where the best one would need fewer than the least number of full ones
-    /// (Gruber, Gunzburger, Ju and Wang, *J. Sci. Comput.* 94, 2023): the samples that are left are worth no more
-    /// than what they cost.
+    /// (Gruber, Gunzburger, Ju and Wang, *J. Sci. Comput.* 94, 2023), or more cheap ones than the study has: the samples
+    /// that are left are worth no more than what they cost.
     fn at_least(&self, pilot: &Pilot, gain: Allocation) -> Allocation {
-        let [variance, square] = [pilot.standard_deviation[0].powi(2), pilot.correlation.powi(2)];
-        let cheap = match self.goal {
+        let [deviation, square] = [pilot.standard_deviation[0], pilot.correlation.powi(2)];
+        let samples = (self.leaves * LEAF) as f64;
+        let (cheap, of_all) = match self.goal {
             Goal::Pilot => return gain,
             Goal::HalfWidth(half_width) => {
-                let wanted = (half_width / self.quantile(pilot)).powi(2);
-                // (Infinite or negative where the least number of full samples does not suffice.)
-                variance * square / (wanted - variance * (1.0 - square) / LEAST)
+                let wanted = (half_width / self.quantile(pilot) / deviation).powi(2);
+                // (Infinite or negative where the least number of full samples does not suffice. A half of the samples is
+                // for what the pilot does not know.)
+                let of_all = (0.5 * samples * wanted - square) / (1.0 - square);
+                (square / (wanted - (1.0 - square) / LEAST), of_all)
             }
             Goal::Budget(budget) => {
-                (budget - self.cost_of_pilot(pilot) - LEAST * pilot.cost[0]) / pilot.cost[1]
+                let rest = budget - self.cost_of_pilot(pilot);
+                let full = (rest - samples * pilot.cost[1]).max(0.0) / pilot.cost[0];
+                ((rest - LEAST * pilot.cost[0]) / pilot.cost[1], samples / full)
             }
         };
-        let ratio = cheap / LEAST;
-        if ratio > 0.0 { Allocation { ratio: gain.ratio.min(ratio.max(1.0)), ..gain } } else { gain }
+        let least = cheap / LEAST;
+        let ratio = if least > 0.0 { gain.ratio.min(least.max(1.0)) } else { gain.ratio };
+        Allocation { ratio: ratio.min(of_all.max(1.0)), ..gain }
     }
 
     fn quantile(&self, pilot: &Pilot) -> f64 {
@@ -575,11 +617,13 @@ impl ToGoal<'_> {
                     );
                     return Err(EnsembleError::Refused(what));
                 }
-                let mut leaves = ratio * (budget - of_pilot) / (LEAF as f64 * pilot.cost_of_sample());
-                while cost(leaves as u64) > budget {
-                    leaves -= 1.0;
+                let leaves = ratio * (budget - of_pilot) / (LEAF as f64 * pilot.cost_of_sample());
+                // (One more than there are says that the budget is not spent.)
+                let mut leaves = (leaves as u64).min(self.leaves + 1);
+                while cost(leaves) > budget {
+                    leaves -= 1;
                 }
-                Ok((least.max(leaves as u64), true))
+                Ok((least.max(leaves), true))
             }
         }
     }
@@ -595,12 +639,20 @@ impl ToGoal<'_> {
         pilot: &Pilot,
         is_met: &dyn Fn() -> bool,
     ) -> Result<Option<u64>, EnsembleError> {
-        let (mut look, is_last) = self.first_look(pilot)?;
+        let (predicted, is_last) = self.first_look(pilot)?;
+        // Where the prediction is by a density that few samples tell, it may be far too large. (Intervals that are looked
+        // at often cover less than they say.)
+        let ratio = pilot.gain.map_or(1.0, |gain| gain.ratio);
+        let early = (4.0 * self.pilot as f64 * ratio).ceil() as u64;
+        let mut look = if self.looks_early && predicted / 16 > early { early } else { predicted };
         let done = next - self.pilot;
         if next >= end || is_last && done >= look {
             return Ok(None);
         }
-        let later = |look: u64| (look + 1).max((1.25 * look as f64).ceil() as u64);
+        let later = |look: u64| match look < predicted {
+            true => look.saturating_mul(4).min(predicted),
+            false => (look + 1).max((1.25 * look as f64).ceil() as u64),
+        };
         while look < done {
             look = later(look);
         }
@@ -623,7 +675,8 @@ impl Course<Sums> for ToGoal<'_> {
         let pilot = match self.plan.get() {
             Some(pilot) => *pilot,
             None => {
-                let pilot = self.pilot_of(&sums.pilot, sums.agreeing[0], sums.pilot_work)?;
+                let pilot =
+                    self.pilot_of(&sums.pilot, [sums.agreeing[0], sums.unlike[0]], sums.pilot_work)?;
                 *self.plan.get_or_init(|| pilot)
             }
         };
@@ -652,7 +705,7 @@ impl ConfidenceInterval for Mean {
 /// The mean of the samples after the pilot. f̄ₙ + α (ḡₘ − ḡₙ) is the mean of f − β g over the n pairs plus β times
 /// that of g over the m − n others, with β = α (m − n)/m: two independent means.
 fn mean_of(sums: &Sums, pilot: &Pilot) -> Mean {
-    let Some(Allocation { coefficient, .. }) = pilot.gain else {
+    let Some(Allocation { coefficient, .. }) = pilot.gain.filter(|_| sums.unlike[1] == 0) else {
         let full = sums.full;
         return Mean {
             mean: full.mean(),
@@ -660,19 +713,25 @@ fn mean_of(sums: &Sums, pilot: &Pilot) -> Mean {
             freedom: full.count() as f64 - 1.0,
         };
     };
-    let [n, others] = [sums.pairs.count() as f64, sums.cheap.count() as f64];
+    // (Of one sample there is no variance.)
+    let others = if sums.cheap.count() > 1 { sums.cheap.count() as f64 } else { 0.0 };
+    let n = sums.pairs.count() as f64;
     let beta = if others > 0.0 { coefficient * others / (n + others) } else { 0.0 };
-    let ([f, g], [[ff, fg], [_, gg]]) = (sums.pairs.mean(), sums.pairs.covariance());
-    // The difference cancels where the models agree: it is known to roundings of the variance.
-    let of_pairs = (ff - 2.0 * beta * fg + beta * beta * gg).max(4.0 * f64::EPSILON * ff) / n;
+    let ([f, g], ff) = (sums.pairs.mean(), sums.pairs.covariance()[0][0]);
+    // The difference cancels where the models agree: it is known to roundings of the variance. Where it is rare, few
+    // pairs may have met less of it than the pilot has.
+    let of_difference = |[[ff, fg], [_, gg]]: [[f64; 2]; 2]| ff - 2.0 * beta * fg + beta * beta * gg;
+    let differing = of_difference(sums.pairs.covariance()).max(of_difference(sums.pilot.covariance()));
+    let of_pairs = differing.max(4.0 * f64::EPSILON * ff) / n;
     let (control, of_others) = match others {
         0.0 => (0.0, 0.0),
         _ => (sums.cheap.mean() - g, beta * beta * sums.cheap.variance() / others),
     };
     let variance = of_pairs + of_others;
-    // Welch (1947).
-    let parts = of_pairs.powi(2) / (n - 1.0) + of_others.powi(2) / (others - 1.0).max(1.0);
-    Mean { mean: f + beta * control, variance, freedom: variance.powi(2) / parts }
+    // Welch (1947), by parts of the variance, whose squares may be beyond the numbers.
+    let part = of_pairs / variance;
+    let parts = part.powi(2) / (n - 1.0) + (1.0 - part).powi(2) / (others - 1.0).max(1.0);
+    Mean { mean: f + beta * control, variance, freedom: 1.0 / parts }
 }
 
 impl<'p, Src, F, G> Multifidelity<'p, Src, F, G>
@@ -689,16 +748,17 @@ where
             samples,
             full,
             cheap,
-            pilot: 128,
+            pilot: None,
             confidence: 0.95,
             settings: Settings::default(),
         }
     }
 
-    /// Sets the number of samples of the pilot, instead of 128, rounded up to a multiple of 32.
+    /// Sets the number of samples of the pilot, rounded up to a multiple of 32. Otherwise it is 128 for a mean, and for a
+    /// quantile 1024, or as many as have 64 on either side of it.
     #[must_use]
     pub fn pilot_samples(self, samples: u64) -> Self {
-        Multifidelity { pilot: samples, ..self }
+        Multifidelity { pilot: Some(samples), ..self }
     }
 
     /// Sets the confidence of the interval whose half-width is to be reached, instead of 0.95.
@@ -737,8 +797,9 @@ where
         self.run(Goal::Budget(cost))
     }
 
-    /// Checks the study, and gives the numbers of its leaves and of those of the pilot.
-    fn checked(&self, goal: Goal) -> Result<[u64; 2], EnsembleError> {
+    /// Checks the study, and gives the numbers of its leaves and of those of the pilot, which has so many samples unless
+    /// they are given.
+    fn checked(&self, goal: Goal, usual: u64) -> Result<[u64; 2], EnsembleError> {
         let Multifidelity { source, samples, full, cheap, .. } = self;
         if *samples == 0 {
             return Err(EnsembleError::NoSamples);
@@ -746,14 +807,15 @@ where
         source.check(*samples)?;
         full.check().map_err(EnsembleError::Refused)?;
         cheap.check().map_err(EnsembleError::Refused)?;
-        let (leaves, pilot) = (samples.div_ceil(LEAF), self.pilot.div_ceil(LEAF).max(1));
+        let (leaves, pilot) = (samples.div_ceil(LEAF), self.pilot.unwrap_or(usual).div_ceil(LEAF).max(1));
+        let wanted = (pilot + 2).saturating_mul(2 * LEAF).max(1_000_000);
         // Two leaves more, unless the pilot is all that is wanted.
-        let least = if matches!(goal, Goal::Pilot) { pilot } else { pilot + 2 };
+        let least = if matches!(goal, Goal::Pilot) { pilot } else { pilot.saturating_add(2) };
         if samples / LEAF < least {
             let what = format!(
                 "a study of {samples} samples has no room for a pilot of {}; help: give the study more samples, as `Multifidelity::new(source, \
-                 1_000_000, …)`: they are the most that it takes",
-                pilot * LEAF
+                 {wanted}, …)`: they are the most that it takes",
+                pilot.saturating_mul(LEAF)
             );
             return Err(EnsembleError::Refused(what));
         }
@@ -775,11 +837,20 @@ where
 
     fn run(&self, goal: Goal) -> Result<MultifidelityEstimate, EnsembleError> {
         let Multifidelity { source, samples, full, cheap, confidence, settings, .. } = self;
-        let [leaves, pilot] = self.checked(goal)?;
+        let [leaves, pilot] = self.checked(goal, 128)?;
         let plan = OnceLock::new();
         let how = ByModels { source, samples: *samples, full, cheap, pilot, plan: &plan };
         let unit_cost = [full.unit_cost(), cheap.unit_cost()];
-        let mut course = ToGoal { goal, confidence: *confidence, pilot, unit_cost, plan: &plan };
+        let rest = leaves - pilot;
+        let mut course = ToGoal {
+            goal,
+            confidence: *confidence,
+            pilot,
+            leaves: rest,
+            looks_early: false,
+            unit_cost,
+            plan: &plan,
+        };
         let description =
             self.description(pilot, format!("multifidelity: {goal:?}, confidence {confidence:?}"));
         let (reached, failures) =
@@ -787,7 +858,7 @@ where
         let sums = merged(&Summed, reached.tree);
         let pilot = match plan.get() {
             Some(pilot) => *pilot,
-            None => course.pilot_of(&sums.pilot, sums.agreeing[0], sums.pilot_work)?,
+            None => course.pilot_of(&sums.pilot, [sums.agreeing[0], sums.unlike[0]], sums.pilot_work)?,
         };
         let (look, _) = course.first_look(&pilot)?;
         let used_up = reached.next == leaves && leaves - course.pilot < look;
@@ -819,21 +890,19 @@ fn estimate(
         Some(_) => [pairs, pairs + sums.cheap.count()],
         None => [sums.full.count(), 0],
     };
-    let plain = match pilot.gain {
+    let plain = match pilot.gain.filter(|_| sums.unlike[1] == 0) {
         Some(_) => sums.pairs.covariance()[0][0],
         None => sums.full.variance(),
     };
     // (Of few pairs all outputs may be equal, which the pilot has seen not to be so.)
     let plain = if plain > 0.0 { plain } else { pilot.standard_deviation[0].powi(2) };
-    let not_finite =
-        sums.pilot.not_finite() + sums.pairs.not_finite() + sums.cheap.not_finite() + sums.full.not_finite();
     MultifidelityEstimate {
         pilot,
         samples,
         cost: cost(sums.pilot_work) + cost(sums.work),
         reached,
         failed,
-        not_finite,
+        not_finite: sums.not_finite,
         failures,
         mean,
         variance,

@@ -280,4 +280,29 @@ pub mod statics_of_a_rotation {
     pub fn main() {}
 }
 
+// A mean over a phase that nothing moves with, and a second one over the same.
+pub mod means_of_nothing {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Pendulum {
+            param m, l, a, omega, g = 9.81;
+            coord theta: angle;
+            T = 0.5 * m * (l * dot(theta)).powi(2) - m * l * a * omega.powi(2) * cos(omega * t) * cos(theta);
+            V = -m * g * l * cos(theta);
+            pub simplified Slow: average omega * t, average omega * t;
+        }
+    }
+
+    lagrangian! {
+        pub system Still {
+            param m, l, omega, g = 9.81;
+            coord theta: angle;
+            T = 0.5 * m * (l * dot(theta)).powi(2);
+            V = -m * g * l * cos(theta);
+            pub simplified Same: average omega * t;
+        }
+    }
+}
+
 fn main() {}

@@ -73,8 +73,11 @@ struct Weighed {
 
 impl Weighed {
     fn new(state: &Strata, pilot: &Pilot) -> Self {
-        let mut strata =
-            if pilot.gain.is_some() { state.pairs.clone() } else { [state.full.clone(), vec![]] };
+        // (Where one model alone has an output, the cheap one says nothing of the other's.)
+        let mut strata = match pilot.gain.filter(|_| state.unlike[1] == 0) {
+            Some(_) => state.pairs.clone(),
+            None => [[&state.full[..], &state.pairs[0], &state.pairs[1]].concat(), vec![]],
+        };
         strata.iter_mut().for_each(|outputs| outputs.sort_by(f64::total_cmp));
         let pairs = [0, 1].map(|h| strata[h].len() as f64);
         let own = pairs[0] + pairs[1];
@@ -99,6 +102,9 @@ impl Weighed {
 
     /// The least output at which F̂ is p at least, infinite beyond them.
     fn inverse(&self, p: f64) -> f64 {
+        if p.is_nan() {
+            return f64::NAN;
+        }
         if p <= 0.0 {
             return f64::NEG_INFINITY;
         }
@@ -142,9 +148,11 @@ struct Strata {
     pilot_work: [u64; 2],
     work: [u64; 2],
     not_finite: u64,
+    /// Samples of the pilot, and pairs after it, in which one model alone has an output.
+    unlike: [u64; 2],
 }
 
-record_fields!(Strata { pilot, pairs, full, cheap, pilot_work, work, not_finite });
+record_fields!(Strata { pilot, pairs, full, cheap, pilot_work, work, not_finite, unlike });
 
 /// Sorts samples by the quantile of the cheap model, which the pilot has found.
 struct Stratified<'a> {
@@ -163,15 +171,25 @@ impl Statistic<Paired> for Stratified<'_> {
             pilot_work: [0; 2],
             work: [0; 2],
             not_finite: 0,
+            unlike: [0; 2],
         }
     }
 
     fn add(&self, state: &mut Strata, _: u64, sample: &Paired) {
         let work = if sample.kind == Kind::Pilot { &mut state.pilot_work } else { &mut state.work };
         (0..2).for_each(|model| work[model] += sample.work[model]);
-        let Some([full, cheap]) = sample.outputs else { return };
+        let [full, cheap] = sample.outputs;
+        state.not_finite += u64::from(sample.is_not_finite());
+        if sample.is_unlike() {
+            state.unlike[usize::from(sample.kind != Kind::Pilot)] += 1;
+            if full.is_finite() {
+                match sample.kind {
+                    Kind::Pilot => state.pilot.push([full, f64::NAN]),
+                    _ => state.full.push(full),
+                }
+            }
+        }
         if !(full.is_finite() && cheap.is_finite()) {
-            state.not_finite += 1;
             return;
         }
         let beyond = usize::from(self.threshold.get().is_some_and(|threshold| cheap > *threshold));
@@ -195,6 +213,7 @@ impl Statistic<Paired> for Stratified<'_> {
             state.work[h] += later.work[h];
         }
         state.not_finite += later.not_finite;
+        (0..2).for_each(|part| state.unlike[part] += later.unlike[part]);
     }
 
     fn describe(&self) -> String {
@@ -225,8 +244,10 @@ impl ToQuantile<'_> {
         let threshold = *self.threshold.get_or_init(|| c);
         let mut indicators = PAIRS.empty();
         let mut agreeing = 0;
+        // (Of a quantile that is the largest output, and that of many samples, all are up to it.)
+        let strictly = state.pilot.iter().all(|[full, _]| *full <= y);
         for (index, [full, cheap]) in state.pilot.iter().enumerate() {
-            let pair = [*full <= y, *cheap <= threshold];
+            let pair = [if strictly { *full < y } else { *full <= y }, *cheap <= threshold];
             agreeing += u64::from(pair[0] == pair[1]);
             PAIRS.add(&mut indicators, index as u64, &pair.map(|holds| f64::from(u8::from(holds))));
         }
@@ -235,11 +256,14 @@ impl ToQuantile<'_> {
             let n = state.pilot.len() as f64;
             let apart = (2.0 * (self.p * (1.0 - self.p) / n).sqrt()).min(self.p).min(1.0 - self.p);
             let wide = quantile_of(0, self.p + apart) - quantile_of(0, self.p - apart);
-            let density = if wide > 0.0 { 2.0 * apart / wide } else { 0.0 };
-            // (A density of 0 would be a half-width that is reached at once: the loop adds what is missing.)
-            self.mean.goal = Goal::HalfWidth((half_width * density).clamp(1e-6, 0.25));
+            // (Of a quantile that many samples have, few suffice: the loop adds what is missing. So much that the first
+            // look suffices as a rule: an interval is narrow where it is too low, and a study that ends with the first
+            // narrow one covers less.)
+            let density = if wide > 0.0 { 2.0 * apart / wide } else { f64::INFINITY };
+            let of_indicator = 0.9 * half_width * density;
+            self.mean.goal = Goal::HalfWidth(of_indicator.clamp(1e-6, 0.25));
         }
-        self.mean.pilot_of(&indicators, agreeing, state.pilot_work)
+        self.mean.pilot_of(&indicators, [agreeing, state.unlike[0]], state.pilot_work)
     }
 
     /// True if the interval is as narrow as wanted.
@@ -323,25 +347,38 @@ where
 
     fn quantile(&self, p: f64, goal: Goal) -> Result<QuantileEstimate, EnsembleError> {
         let Multifidelity { source, samples, full, cheap, confidence, settings, .. } = self;
-        let [leaves, pilot] = self.checked(goal)?;
         let tail = p.min(1.0 - p);
         if tail <= 0.0 || tail.is_nan() {
             return Err(EnsembleError::Refused(format!(
                 "a quantile is of a probability between 0 and 1, not {p:?}"
             )));
         }
+        let usual = (8.0 * FEWEST_BEYOND / tail).ceil() as u64;
+        let [leaves, pilot] = self.checked(goal, usual.clamp(1024, (samples / 4).max(1024)))?;
         if ((pilot * super::LEAF) as f64) * tail < FEWEST_BEYOND {
-            let what = format!(
-                "a pilot of {} samples has too few beyond the quantile of {p:?}; help: give it more, as `.pilot_samples({})`",
-                pilot * super::LEAF,
-                (FEWEST_BEYOND / tail).ceil()
-            );
+            let wanted = (FEWEST_BEYOND / tail).ceil();
+            let help = match wanted < *samples as f64 {
+                true => format!("give it more, as `.pilot_samples({wanted})`"),
+                false => format!("a study of {samples} samples does not tell such a quantile"),
+            };
+            let pilot = pilot * super::LEAF;
+            let what =
+                format!("a pilot of {pilot} samples has too few beyond the quantile of {p:?}; help: {help}");
             return Err(EnsembleError::Refused(what));
         }
         let (plan, threshold) = (OnceLock::new(), OnceLock::new());
         let how = ByModels { source, samples: *samples, full, cheap, pilot, plan: &plan };
         let unit_cost = [full.unit_cost(), cheap.unit_cost()];
-        let mean = ToGoal { goal, confidence: *confidence, pilot, unit_cost, plan: &plan };
+        let rest = leaves - pilot;
+        let mean = ToGoal {
+            goal,
+            confidence: *confidence,
+            pilot,
+            leaves: rest,
+            looks_early: true,
+            unit_cost,
+            plan: &plan,
+        };
         let half_width = if let Goal::HalfWidth(half_width) = goal { Some(half_width) } else { None };
         let mut course = ToQuantile { p, half_width, mean, threshold: &threshold };
         let description = self.description(
