@@ -219,10 +219,10 @@ pub struct Constraint {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct Redundancy {
-    /// Number of independent ones in all positions but singular ones, in the assemblies that the compiler found from
-    /// arbitrary places; `None` if it depends on the parameters or on the assembly. At run time pivots find more where
-    /// there are more: in a scissors lift with both bars of each stage on each other fewer are independent than in the
-    /// lift.
+    /// Number of independent ones in all positions but singular ones, in that of the assemblies that the compiler found
+    /// from arbitrary places which has the fewest freedoms; `None` if it depends on the parameters. At run time pivots
+    /// find more where there are more: in a scissors lift with both bars of each stage on each other fewer are
+    /// independent than in the lift.
     pub rank: Option<usize>,
     /// Names of those whose multipliers, and so the reactions of their joints, are not determined.
     pub undetermined: &'static [&'static str],

@@ -345,10 +345,70 @@ fn a_lift_is_not_the_assembly_in_which_its_bars_lie_on_each_other() {
         lift!(TwoStages::new(1.0, 0.5, 0.04), 2, [0.5, 0.04, 0.0, 0.0]);
     }
     {
-        assert_eq!(ThreeStages::<f64>::FACTS.redundancy.and_then(|redundancy| redundancy.rank), None);
+        assert_eq!(ThreeStages::<f64>::FACTS.redundancy.and_then(|redundancy| redundancy.rank), Some(6));
         lift!(ThreeStages::new(1.0, 0.5, 0.04, 2.0, 0.3), 3, masses);
     }
     {
         lift!(SixStages::new(1.0, 0.5, 0.04, 2.0, 0.3), 6, masses);
     }
+}
+
+lagrangian! {
+    /// Peaucellier's linkage by the ends of its seven rods, which leave one motion: D is on a straight line. Where A and B
+    /// are one, they leave two.
+    pub system Peaucellier {
+        param L = 1.3, s = 0.5, q = 0.45, m = 1, g = 9.81;
+        coord A: [2], B: [2], C: [2], D: [2];
+        T = 0.5 * m * (dot(A).norm_squared() + dot(B).norm_squared() + dot(C).norm_squared() + 2 * dot(D).norm_squared());
+        V = m * g * (A[0] + B[0] + C[0] + 2 * D[0] + 0.3 * D[1]);
+        constraint crank: (C[0] - q).powi(2) + C[1].powi(2) == q * q;
+        constraint long: [A.norm_squared(), B.norm_squared()] == [L * L, L * L];
+        constraint to_a: [(A - C).norm_squared(), (A - D).norm_squared()] == [s * s, s * s];
+        constraint to_b: [(B - C).norm_squared(), (B - D).norm_squared()] == [s * s, s * s];
+    }
+}
+
+/// `|OC| |OD| = L² − s²`: D is at `x = (L² − s²)/2q` always.
+#[test]
+fn a_straight_line_by_rods() {
+    assert_eq!(Peaucellier::<f64>::FACTS.redundancy, None);
+    let linkage = Peaucellier::new();
+    let place = |angle: f64| {
+        let c = [0.45 + 0.45 * angle.cos(), 0.45 * angle.sin()];
+        let square = c[0] * c[0] + c[1] * c[1];
+        let (far, distance) = ((1.69 - 0.25) / square, square.sqrt());
+        let middle = 0.5 * (1.0 + far);
+        let aside = (1.69 - middle * middle * square).sqrt() / distance;
+        let [along, across] = [[c[0] * middle, c[1] * middle], [-c[1] * aside, c[0] * aside]];
+        let [a, b] = [1.0, -1.0].map(|side| [0, 1].map(|i| along[i] + side * across[i]));
+        [a[0], a[1], b[0], b[1], c[0], c[1], c[0] * far, c[1] * far]
+    };
+    for angle in [0.4, 0.8, -0.6] {
+        let h = 1e-4;
+        let [low, high] = [-h, h].map(|h| place(angle + h));
+        let rates = std::array::from_fn(|i| (high[i] - low[i]) / (2.0 * h));
+        let at = consistent(&linkage, &State::new(0.0, place(angle), rates)).unwrap();
+        let found = linkage.accel_at(&at);
+        assert!(found[6].abs() < 1e-6 && found.amax() > 0.01, "{angle}: {found}");
+        let end = integrate(&linkage, Dop853, PiController::tolerance(1e-9), at).until(0.05).final_state();
+        let end = end.unwrap();
+        assert!((end.q[6] - 1.44 / 0.9).abs() < 1e-9 && (end.q[7] - at.q[7]).abs() > 1e-3, "{}", end.q);
+    }
+}
+
+lagrangian! {
+    /// A line and a plane that cross: on the line two conditions are independent, on the plane one, at the crossing
+    /// none.
+    pub system Cross {
+        coord x, y, z;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2) + dot(z).powi(2));
+        V = 0.5 * x * x + y * y + 1.5 * z * z;
+        redundant constraint c: [x * y, x * z] == [0, 0];
+    }
+}
+
+#[test]
+fn small_motions_at_a_crossing_of_branches_are_refused() {
+    let found = small_vibrations(&Cross::new(), &[0.0; 3]);
+    assert!(matches!(found, Err(AnalysisError::DependentConstraints { .. })), "{found:?}");
 }

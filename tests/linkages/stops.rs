@@ -80,6 +80,29 @@ fn runs_end_on_their_branch_beside_the_line() {
     }
 }
 
+/// A stepper takes the state at which its run has ended in the line, also with the velocity of a bounce.
+#[test]
+fn steppers_go_on_from_the_line() {
+    let (linkage, crank) = (Stopped::new(), Crank::new());
+    let start = State::new(0.0, [0.5, 0.0, 0.5], [-1.0, 0.0, -1.0]);
+    for back in [1.0, -1.0] {
+        let mut stepper = Stepper::new(linkage, Dop853, PiController::tolerance(1e-10), start);
+        let met = stepper.until(6.0).events(Stopped::STOPPED).next().unwrap().unwrap().state;
+        stepper.set_state(State { qd: met.qd * back, ..met }).unwrap();
+        stepper.advance_to(met.t + 0.2).unwrap();
+        let by_angle = State::new(met.t, [met.q[0]], [met.qd[0] * back]);
+        let run = integrate(&crank, Dop853, PiController::tolerance(1e-12), by_angle);
+        let exact = run.until(met.t + 0.2).final_state().unwrap();
+        let found = stepper.state();
+        let off = [found.q[0] - exact.q[0], found.q[1], found.q[2] - exact.q[0], found.qd[0] - exact.qd[0]];
+        assert!(off.iter().all(|off| off.abs() < 1e-8), "{back}: {off:?}");
+    }
+    // (Not one that is off the constraints.)
+    let mut stepper = Stepper::new(linkage, Dop853, PiController::tolerance(1e-10), start);
+    let off = State::new(0.0, [0.0, 0.1, 0.0], [-1.0, 0.0, -1.0]);
+    assert!(matches!(stepper.set_state(off), Err(Failure::ConstraintViolated { .. })));
+}
+
 /// Samples in steps that jump over the line, whatever stages of an interpolant come to lie near it.
 #[test]
 fn samples_stay_on_their_branch() {

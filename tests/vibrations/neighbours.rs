@@ -244,6 +244,34 @@ fn two_methods_agree_about_the_chaos_of_the_double_pendulum() {
     assert!((spectrum[1].value + spectrum[2].value).abs() < rounding && spectrum[1].value.abs() < rounding);
 }
 
+lagrangian! {
+    /// A damped oscillator, and beside it Hénon and Heiles' particle, whose exponent at E = 1/6 is some 0.12.
+    system BesideChaos {
+        coord z, x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2) + dot(z).powi(2));
+        V = 0.5 * (x * x + y * y + z * z) + x * x * y - y.powi(3) / 3;
+        D = 0.1 * dot(z).powi(2);
+    }
+}
+
+/// The largest exponent is the first one, whichever block of coordinates it belongs to.
+#[test]
+fn lyapunov_exponents_of_blocks_are_sorted() {
+    let system = BesideChaos::new();
+    let rate = (1.0f64 / 3.0).sqrt();
+    let start = State::new(0.0, [0.3, 0.0, 0.0], [0.0, rate * 0.8, rate * 0.6]);
+    let how = Measurement { transient: 50.0, interval: 2.0, intervals: 1500 };
+    let one = ByVariationalEquations::<_, 6>::new(&system, 1e-9);
+    let found = lyapunov_spectrum(&one, &start, &how).unwrap();
+    assert!(found.len() == 1 && found[0].value > 0.06, "{found:?}");
+    let all = ByVariationalEquations::<_, 21>::new(&system, 1e-9);
+    let found = lyapunov_spectrum(&all, &start, &how).unwrap();
+    assert!(found.windows(2).all(|pair| pair[0].value >= pair[1].value), "{found:?}");
+    assert!(found.len() == 6 && found[0].value > 0.06, "{found:?}");
+    let damped = found.iter().filter(|exponent| (exponent.value + 0.1).abs() < 5e-3).count();
+    assert!(damped >= 2, "{found:?}");
+}
+
 #[test]
 fn senseless_measurements_are_refused() {
     let oscillator = Oscillator::new(1.0, 0.3, 4.0);

@@ -74,6 +74,15 @@ pub(super) fn held<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
         let (constraint, left) = (all[shortest].of.name, length(shortest));
         return Err(AnalysisError::DependentConstraints { constraint, left });
     }
+    // Where the rank is known by numbers alone, it is that beside the state, on the constraints.
+    if Sys::FACTS.redundancy.is_some_and(|redundancy| redundancy.rank.is_none()) {
+        let beside = Held::all(system, &admitted(system, &away(at, FAR, 1.0)))?;
+        let usual = TangentSpace::new(&beside, &units, &[ACTS; N]).map_or(0, |space| space.rows.len());
+        if space.rows.len() < usual {
+            let lost = (0..all.len()).find(|j| !space.rows.contains(j)).unwrap_or(0);
+            return Err(AnalysisError::DependentConstraints { constraint: all[lost].of.name, left: 0.0 });
+        }
+    }
     match nearly_dependent(&all, &far, &units, VANISHED) {
         Some(error) => Err(error),
         None => Ok(all),

@@ -99,7 +99,12 @@ pub fn lyapunov_spectrum<Flow: TangentFlow<N>, const N: usize>(
     let integrals = N - Flow::FIRST_ORDER..N;
     let many = Flow::DEVIATIONS.min(basis.ncols());
     let carried = |some: DMatrix<f64>| some.resize_horizontally(Flow::DEVIATIONS, 0.0);
-    let mut deviations = carried(basis.columns(0, many).into_owned());
+    // In no special directions: some may grow in a block of coordinates of their own, and stay there.
+    let mixed = DMatrix::from_fn(basis.ncols(), basis.ncols(), |i, j| {
+        (1.618 * (i + 1) as f64 * (j + 1) as f64).sin() + f64::from(u8::from(i == j))
+    });
+    let mixed = (&basis * mixed).qr().q();
+    let mut deviations = carried(mixed.columns(0, many).into_owned());
     let mut growth = vec![Vec::with_capacity(count); many];
     for k in 0..before as usize + count {
         let (to, mut grown) = flow.follow(&at, &deviations, how.interval)?;
@@ -125,7 +130,9 @@ pub fn lyapunov_spectrum<Flow: TangentFlow<N>, const N: usize>(
             }
         }
     }
-    Ok(growth.iter().map(|growth| Exponent::of(growth, how.interval)).collect())
+    let mut all: Vec<Exponent> = growth.iter().map(|growth| Exponent::of(growth, how.interval)).collect();
+    all.sort_by(|a, b| b.value.total_cmp(&a.value));
+    Ok(all)
 }
 
 /// The largest Lyapunov exponent from two trajectories, the second brought back to the distance `separation` from the

@@ -48,17 +48,19 @@ pub fn least_norm<S: Scalar, const N: usize, const M: usize>(
     let mut q = [constant::<S, N>(S::zero()); M];
     let mut r = [constant::<S, M>(S::zero()); M];
     for k in 0..most {
-        let part = |j: usize| dot(&columns[j], &columns[j]) * per_size[j];
-        let (mut pivot, mut most_left) = (columns[0], part(0));
+        // What is left of a gradient that does not follow from others.
+        let left = |j: usize| {
+            let size = dot(&columns[j], &columns[j]);
+            S::select(Comparison::LessEqual, size * per_size[j], brink(k), S::zero(), size)
+        };
+        let (mut pivot, mut size) = (columns[0], left(0));
         for j in 1..M {
-            let left = part(j);
+            let other = left(j);
             for i in 0..N {
-                pivot[i] = S::select(Comparison::Less, most_left, left, columns[j][i], pivot[i]);
+                pivot[i] = S::select(Comparison::Less, size, other, columns[j][i], pivot[i]);
             }
-            most_left = S::select(Comparison::Less, most_left, left, left, most_left);
+            size = S::select(Comparison::Less, size, other, other, size);
         }
-        let size = dot(&pivot, &pivot);
-        let size = S::select(Comparison::LessEqual, most_left, brink(k), S::zero(), size);
         pivot = direction(&pivot, size, S::zero());
         for before in &q[..k] {
             let part = dot(before, &pivot);

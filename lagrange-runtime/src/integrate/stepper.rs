@@ -191,7 +191,13 @@ where
     /// [`Failure::NonFinite`], or [`Failure::ConstraintViolated`] if the state is not on the constraints of the
     /// system, but for rounding (see [`consistent`](crate::consistent)). The stepper is where it was then.
     pub fn set_state(&mut self, state: State<Sys::Scalar, N>) -> Result<(), Failure<Sys::Scalar>> {
-        let state = admitted(&self.system, &state)?;
+        // (Where constraints are dependent, a projection leads anywhere: a run begins on a branch there.)
+        let is_finite = state.is_finite() && state.t.to_f64().is_finite();
+        let begun = if Sys::CONSTRAINTS > 0 && is_finite { self.system.begun_across(&state) } else { None };
+        let state = match begun.and_then(|begun| begun.state) {
+            Some(state) => state,
+            None => admitted(&self.system, &state)?,
+        };
         if !coincide(state.t, self.engine.state.t) {
             self.control.seek(state.t);
         }

@@ -89,12 +89,10 @@ pub fn examined(
     if !driven {
         keep_movable(&mut places);
     }
-    let ranks = places.iter().map(|(_, rank)| *rank);
-    let (least, most) = (ranks.clone().min(), ranks.max());
+    // Of assemblies with different ranks that with fewest freedoms is meant: in others parts lie on each other.
+    let most = places.iter().map(|(_, rank)| *rank).max();
     let rank = match most {
-        // Where assemblies have different ranks, that at hand is told by numbers.
-        Some(most) if most < m => Some(most).filter(|_| least == Some(most)),
-        // Of those in which all constraints are independent no more is asked; in others parts lie on each other.
+        Some(most) if most < m => Some(most),
         Some(_) if !declared => return Ok(None),
         None if m >= n && !declared && !driven => {
             let message = format!(
