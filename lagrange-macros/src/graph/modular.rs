@@ -139,7 +139,8 @@ impl Graph {
     /// [`PARTS`].
     fn on_circle(&self, angle: Value, trial: u64) -> [u64; 2] {
         let terms = self.terms(angle).into_iter().map(|Value { k, node }| {
-            let key = element(node.map_or(0, |node| 1 + node.index() as u64), trial);
+            // (None that a node has as its value.)
+            let key = element(!node.map_or(0, |node| 1 + node.index() as u64), trial);
             match k {
                 Number::Ratio(n, d) if node.is_some() && PARTS % d == 0 && n.abs() < LARGEST => {
                     multiple(point(key), n * (PARTS / d))
