@@ -90,10 +90,12 @@ pub fn examined(
         keep_movable(&mut places);
     }
     // Of assemblies with different ranks that with fewest freedoms is meant: in others parts lie on each other.
-    let most = places.iter().map(|(_, rank)| *rank).max();
+    let ranks = places.iter().map(|(_, rank)| *rank);
+    let (least, most) = (ranks.clone().min(), ranks.max());
     let rank = match most {
         Some(most) if most < m => Some(most),
         Some(_) if !declared => return Ok(None),
+        Some(_) if least < most => most,
         None if m >= n && !declared && !driven => {
             let message = format!(
                 "{m} constraints on {n} coordinates leave no motion to find\nhelp: use fewer constraints, or more coordinates; a drive is a function of time, `coord a = w * t;`; of a mechanism that moves for special values of its parameters, write `redundant constraint {}: …`",
@@ -108,7 +110,11 @@ pub fn examined(
     let places: Vec<Place> = meant.take(PLACES).collect();
     let most = most.unwrap_or(m);
     let undetermined: Vec<usize> = (0..m).filter(|j| most < m && spans(&places, &[*j], most)).collect();
-    let superfluous = if rank.is_some() { superfluous(&places, &undetermined, most) } else { Vec::new() };
+    let superfluous = if rank.is_some_and(|rank| rank < m) {
+        superfluous(&places, &undetermined, most)
+    } else {
+        Vec::new()
+    };
     let redundancy = Redundancy { rank, undetermined, superfluous };
     if !declared {
         let at = &constraints[*redundancy.undetermined.last().unwrap_or(&(m - 1))].name;
@@ -128,6 +134,11 @@ impl Redundancy {
                 "some of the {m} constraints may follow from others: their rank is found at run time, by pivots"
             );
         };
+        if rank == m {
+            return format!(
+                "all {m} constraints are independent, but for assemblies in which parts lie on each other"
+            );
+        }
         let some: Vec<String> = self.superfluous.iter().take(MAX_NAMED).map(|set| all(set)).collect();
         let others = if self.superfluous.len() > MAX_NAMED { ", or others" } else { "" };
         format!("{rank} of the {m} constraints are enough: {} may be left out{others}", some.join(", or "))
