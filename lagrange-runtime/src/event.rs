@@ -314,6 +314,9 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
             self.search.begin(&On(&self.events, self.run.system()), self.run.state())?;
             let Some(step) = self.run.advance() else { return Ok(Next::End) };
             let step = step?;
+            if D::System::CONSTRAINTS > 0 {
+                self.look_at_dependence(&step)?;
+            }
             if let Some(outline) = outline(&self.run.engine().method, &step) {
                 match self.search.outlook(&On(&self.events, self.run.system()), &outline) {
                     Outlook::Clear => {
@@ -335,6 +338,24 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
             self.search.enter(&On(&self.events, self.run.system()), stepped)?;
             return Ok(Next::Step);
         }
+    }
+
+    /// Looks at events in the state of a step that is nearest to one at which constraints are dependent. Reactions may
+    /// grow without bound there, and be finite at the ends of the step.
+    #[cold]
+    #[inline(never)]
+    fn look_at_dependence(
+        &mut self,
+        step: &Step<D::System, D::Method, N>,
+    ) -> Result<(), Failure<Number<D, N>>> {
+        let (system, engine) = self.run.parts();
+        let Some(at) = engine.nearest_dependence(system, step) else { return Ok(()) };
+        for event in 0..K {
+            if self.events.value(system, event, &at).to_f64().is_nan() {
+                return Err(Failure::EventNotFinite { t: at.t, event: self.events.kind(event).at(event) });
+            }
+        }
+        Ok(())
     }
 
     /// Lands on the event that a step has alone, unless its place has derivatives, which are that of a whole step.

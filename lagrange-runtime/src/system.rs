@@ -188,8 +188,8 @@ pub trait System<const N: usize> {
     /// from their shorter parameters.
     const ATTITUDES: &'static [usize] = &[];
 
-    /// The same state by other parameters of its attitudes, if the next step is to begin from these: one of steps of the
-    /// size `equal`, or one of a size of its own.
+    /// The same state by other parameters of its attitudes, if the next step is to begin from these: one of steps of
+    /// the size `equal`, or one of a size of its own.
     #[inline(always)]
     fn shortened(
         &self,

@@ -295,8 +295,8 @@ lagrangian! {
     }
 }
 
-/// By sin² + cos² = 1 of an angle that stands behind a rotation. The spin's equation is that of a wheel without a motor,
-/// J (ω·a + ṡ) = p about its axis a.
+/// By sin² + cos² = 1 of an angle that stands behind a rotation. The spin's equation is that of a wheel without a
+/// motor, J (ω·a + ṡ) = p about its axis a.
 #[test]
 fn time_and_spin_drop_out_behind_rotations() {
     let facts = Spun::<f64>::FACTS;

@@ -354,8 +354,8 @@ fn a_lift_is_not_the_assembly_in_which_its_bars_lie_on_each_other() {
 }
 
 lagrangian! {
-    /// Peaucellier's linkage by the ends of its seven rods, which leave one motion: D is on a straight line. Where A and B
-    /// are one, they leave two.
+    /// Peaucellier's linkage by the ends of its seven rods, which leave one motion: D is on a straight line. Where A
+    /// and B are one, they leave two.
     pub system Peaucellier {
         param L = 1.3, s = 0.5, q = 0.45, m = 1, g = 9.81;
         coord A: [2], B: [2], C: [2], D: [2];

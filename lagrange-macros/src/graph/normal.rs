@@ -358,8 +358,8 @@ mod tests {
         assert!(g.vanishes(sum));
     }
 
-    /// By values in a finite field, where sines and cosines are points of a circle: of multiples, parts and sums of
-    /// angles, however long the terms are, and of nothing else.
+    /// Identities of multiples, parts and sums of angles are proved by values in a finite field, where sines and
+    /// cosines are points of a circle, however long the terms are; and nothing else is.
     #[test]
     fn identities_of_angles_are_proved_by_values() {
         let g = &mut Graph::default();

@@ -224,8 +224,8 @@ where
     (metric && products.iter().all(|x| x.is_finite())).then_some(products)
 }
 
-/// Number of constraints that do not follow from others: what the compiler knows, or more by their products at the start
-/// of a run, scaled by these squares, as other assemblies of a mechanism may have.
+/// Number of constraints that do not follow from others: what the compiler knows, or more by their products at the
+/// start of a run, scaled by these squares, as other assemblies of a mechanism may have.
 fn usual_rank<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     start: Option<&SMatrix<f64, M, M>>,
     squares: [f64; M],

@@ -54,7 +54,8 @@ pub use quantile::QuantileEstimate;
 ///
 /// The mean, or quantile, is that over samples that the full model can run, with a finite output; others are counted.
 /// Where one of the models has an output and the other has none, the cheap one says nothing of that mean: there is no
-/// gain if the pilot meets such a sample, and if one comes later the estimate is made of the full model's samples alone.
+/// gain if the pilot meets such a sample, and if one comes later the estimate is made of the full model's samples
+/// alone.
 ///
 /// Differences of the models that are rarer than one in the samples of the full model are not seen, and an interval
 /// does not know of them.
@@ -178,8 +179,9 @@ fn are_frequent(samples: u64, agreeing: u64) -> bool {
 impl Pilot {
     /// The correlation and costs of the pilot, and what follows from them.
     ///
-    /// There is a gain if there is one at the lower end of the 95 % interval of |ρ| as well (Fisher's z, 1921): a chance agreement of few samples is none. Nor is there one that is known where outputs agree but for
-    /// fewer than 32 samples.
+    /// There is a gain if there is one at the lower end of the 95 % interval of |ρ| as well (Fisher's z, 1921): a
+    /// chance agreement of few samples is none. Nor is there one that is known where outputs agree but for fewer than
+    /// 32 samples.
     fn new(outputs: &Covariances<2>, agreeing: u64, cost: [f64; 2]) -> Self {
         let [[a, b], [_, c]] = outputs.covariance();
         let (samples, correlation) = (outputs.count(), outputs.correlation(0, 1).clamp(-1.0, 1.0));
@@ -558,8 +560,8 @@ impl ToGoal<'_> {
     }
 
     /// An allocation with fewer cheap samples, where the best one would need fewer than the least number of full ones
-    /// (Gruber, Gunzburger, Ju and Wang, *J. Sci. Comput.* 94, 2023), or more cheap ones than the study has: the samples
-    /// that are left are worth no more than what they cost.
+    /// (Gruber, Gunzburger, Ju and Wang, *J. Sci. Comput.* 94, 2023), or more cheap ones than the study has: the
+    /// samples that are left are worth no more than what they cost.
     fn at_least(&self, pilot: &Pilot, gain: Allocation) -> Allocation {
         let [deviation, square] = [pilot.standard_deviation[0], pilot.correlation.powi(2)];
         let samples = (self.leaves * LEAF) as f64;
@@ -567,8 +569,8 @@ impl ToGoal<'_> {
             Goal::Pilot => return gain,
             Goal::HalfWidth(half_width) => {
                 let wanted = (half_width / self.quantile(pilot) / deviation).powi(2);
-                // (Infinite or negative where the least number of full samples does not suffice. A half of the samples is
-                // for what the pilot does not know.)
+                // (Infinite or negative where the least number of full samples does not suffice. A half of the
+                // samples is for what the pilot does not know.)
                 let of_all = (0.5 * samples * wanted - square) / (1.0 - square);
                 (square / (wanted - (1.0 - square) / LEAST), of_all)
             }
@@ -640,8 +642,8 @@ impl ToGoal<'_> {
         is_met: &dyn Fn() -> bool,
     ) -> Result<Option<u64>, EnsembleError> {
         let (predicted, is_last) = self.first_look(pilot)?;
-        // Where the prediction is by a density that few samples tell, it may be far too large. (Intervals that are looked
-        // at often cover less than they say.)
+        // Where the prediction is by a density that few samples tell, it may be far too large. (Intervals that are
+        // looked at often cover less than they say.)
         let ratio = pilot.gain.map_or(1.0, |gain| gain.ratio);
         let early = (4.0 * self.pilot as f64 * ratio).ceil() as u64;
         let mut look = if self.looks_early && predicted / 16 > early { early } else { predicted };
@@ -754,8 +756,8 @@ where
         }
     }
 
-    /// Sets the number of samples of the pilot, rounded up to a multiple of 32. Otherwise it is 128 for a mean, and for a
-    /// quantile 1024, or as many as have 64 on either side of it.
+    /// Sets the number of samples of the pilot, rounded up to a multiple of 32. Otherwise it is 128 for a mean, and
+    /// for a quantile 1024, or as many as have 64 on either side of it.
     #[must_use]
     pub fn pilot_samples(self, samples: u64) -> Self {
         Multifidelity { pilot: Some(samples), ..self }
@@ -797,8 +799,8 @@ where
         self.run(Goal::Budget(cost))
     }
 
-    /// Checks the study, and gives the numbers of its leaves and of those of the pilot, which has so many samples unless
-    /// they are given.
+    /// Checks the study, and gives the numbers of its leaves and of those of the pilot, which has so many samples
+    /// unless they are given.
     fn checked(&self, goal: Goal, usual: u64) -> Result<[u64; 2], EnsembleError> {
         let Multifidelity { source, samples, full, cheap, .. } = self;
         if *samples == 0 {
