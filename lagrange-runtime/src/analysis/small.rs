@@ -85,8 +85,8 @@ impl SmallMotion {
         self
     }
 
-    /// With a C that has no symmetric part, and a K without antisymmetric one, whatever rounding makes of them, if h
-    /// is conserved: both follow from a Lagrangian then.
+    /// Takes the symmetric part of C and the antisymmetric one of K for rounding, if h is conserved: both matrices
+    /// follow from a Lagrangian then.
     pub(super) fn conservative(mut self, so: bool) -> Self {
         if so {
             (self.c, self.k) = (antisymmetric(&self.c), symmetric(&self.k));

@@ -123,8 +123,8 @@ pub(crate) fn may_change<S: Real, const N: usize>(
     })
 }
 
-/// Those of the attitudes of which the next step is to begin with the other parameters: it is one of `equal` steps,
-/// whose size and accelerations at their start are given, or has a size of its own.
+/// Attitudes whose other parameters the next step is to begin with. It is one of `equal` steps, whose size and
+/// accelerations at its start are given, or has a size of its own.
 ///
 /// In other parameters a symplectic method conserves another energy, by an error of its own, so that each change of
 /// parameters adds to the energy. Where the middle of a step decides, parameters change where the motion backwards in

@@ -715,7 +715,7 @@ fn mean_of(sums: &Sums, pilot: &Pilot) -> Mean {
             freedom: full.count() as f64 - 1.0,
         };
     };
-    // (Of one sample there is no variance.)
+    // (One sample has no variance.)
     let others = if sums.cheap.count() > 1 { sums.cheap.count() as f64 } else { 0.0 };
     let n = sums.pairs.count() as f64;
     let beta = if others > 0.0 { coefficient * others / (n + others) } else { 0.0 };

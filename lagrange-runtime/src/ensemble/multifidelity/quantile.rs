@@ -244,7 +244,7 @@ impl ToQuantile<'_> {
         let threshold = *self.threshold.get_or_init(|| c);
         let mut indicators = PAIRS.empty();
         let mut agreeing = 0;
-        // (Of a quantile that is the largest output, and that of many samples, all are up to it.)
+        // (All outputs are up to a quantile that is the largest of them.)
         let strictly = state.pilot.iter().all(|[full, _]| *full <= y);
         for (index, [full, cheap]) in state.pilot.iter().enumerate() {
             let pair = [if strictly { *full < y } else { *full <= y }, *cheap <= threshold];
@@ -256,9 +256,9 @@ impl ToQuantile<'_> {
             let n = state.pilot.len() as f64;
             let apart = (2.0 * (self.p * (1.0 - self.p) / n).sqrt()).min(self.p).min(1.0 - self.p);
             let wide = quantile_of(0, self.p + apart) - quantile_of(0, self.p - apart);
-            // (Of a quantile that many samples have, few suffice: the loop adds what is missing. So much that the first
-            // look suffices as a rule: an interval is narrow where it is too low, and a study that ends with the first
-            // narrow one covers less.)
+            // (Few samples suffice for a quantile that many outputs share: the loop adds what is missing. The first
+            // look is to suffice as a rule: an interval is narrow where it is too low, and a study that ends with the
+            // first narrow one covers less.)
             let density = if wide > 0.0 { 2.0 * apart / wide } else { f64::INFINITY };
             let of_indicator = 0.9 * half_width * density;
             self.mean.goal = Goal::HalfWidth(of_indicator.clamp(1e-6, 0.25));
