@@ -99,12 +99,13 @@ pub fn lyapunov_spectrum<Flow: TangentFlow<N>, const N: usize>(
     let integrals = N - Flow::FIRST_ORDER..N;
     let many = Flow::DEVIATIONS.min(basis.ncols());
     let carried = |some: DMatrix<f64>| some.resize_horizontally(Flow::DEVIATIONS, 0.0);
-    // In no special directions: some may grow in a block of coordinates of their own, and stay there.
+    // Where there are fewer than all, they are in no special directions: these may belong to a block of coordinates, in
+    // which deviations stay.
     let mixed = DMatrix::from_fn(basis.ncols(), basis.ncols(), |i, j| {
         (1.618 * (i + 1) as f64 * (j + 1) as f64).sin() + f64::from(u8::from(i == j))
     });
-    let mixed = (&basis * mixed).qr().q();
-    let mut deviations = carried(mixed.columns(0, many).into_owned());
+    let basis = if many < basis.ncols() { (&basis * mixed).qr().q() } else { basis };
+    let mut deviations = carried(basis.columns(0, many).into_owned());
     let mut growth = vec![Vec::with_capacity(count); many];
     for k in 0..before as usize + count {
         let (to, mut grown) = flow.follow(&at, &deviations, how.interval)?;
