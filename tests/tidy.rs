@@ -408,9 +408,12 @@ fn files_are_read_in_one_sitting() {
     }
 }
 
-/// Tests that take minutes are run by `.ci/full`, but for measurements.
+/// Tests that take long are run by `.ci/run`, and those that take minutes by `.ci/full`, but for measurements.
 #[test]
 fn long_tests_run_somewhere() {
+    let run = fs::read_to_string(Path::new(ROOT).join(".ci/run")).expect("a script");
+    assert!(run.contains("\ncargo test -p lagrange-motions --test '*'\n"));
+    assert!(run.contains("\ncargo test --release --example stability"));
     let full = fs::read_to_string(Path::new(ROOT).join(".ci/full")).expect("a script");
     let mut count = 0;
     for folder in ["lagrange-macros", "lagrange-runtime", "tests"] {

@@ -1,7 +1,7 @@
 """Accelerations of bodies that tumble, ours against Pinocchio's and MuJoCo's: `python3 benches/peers/bodies.py [--instructions] [--rounds N]`.
 
 Makes a virtual environment in benches/peers/target; needs gcc, g++, some minutes, and valgrind for --instructions. A free body, a chain of 8 bodies on ball joints, and an arm
-of seven axes on a floating body (that of lagrange-runtime/tests/bodies/floating_arm.rs). Peers: Pinocchio's articulated-body algorithm, its templates compiled here; the
+of seven axes on a floating body (that of tests/bodies/floating_arm.rs). Peers: Pinocchio's articulated-body algorithm, its templates compiled here; the
 same through CasADi's code generation; MuJoCo's `mj_forward` with contacts and constraints off, the library as it is published. What is compiled here is compiled for the
 processor at hand, by gcc -O3 -march=native. One program calls all in turn on the same 256 states, each in its own variables (ours in the parameters of attitudes, theirs
 in quaternions); the accelerations are compared in those of the place, of the attitude and of the joints.

@@ -1,4 +1,4 @@
-"""Reference numbers of a chain of bodies on ball joints, for lagrange-runtime/tests/bodies.rs.
+"""Reference numbers of a chain of bodies on ball joints, for tests/bodies.rs.
 
     python benches/references/ball_joints.py 8                           (needs numpy; some seconds)
 

@@ -163,7 +163,7 @@ if __name__ == "__main__":
         print("free body at", t, "half period", nstr(half, 20))
         show("omega", w)
         show("q", q)
-    # lagrange-runtime/tests/bodies.rs
+    # tests/bodies.rs
     degree = mp.pi / 180
     brick = [0.00189422, 0.006211019, 0.007194665]
     scene("brick", body([mpf(x) for x in brick], lambda q, w, rest: ([mpf(0)] * 3, [])), [1, 0, 0, 0], [10 * degree, 20 * degree, 30 * degree], [], 30, 150)

@@ -1,6 +1,6 @@
-"""Reference digits of an arm of seven axes on a body that floats, for lagrange-runtime/tests/bodies/floating_arm.rs.
+"""Reference digits of an arm of seven axes on a body that floats, for tests/bodies/floating_arm.rs.
 
-    pip install pin mujoco mpmath && python benches/references/floating_arm.py > lagrange-runtime/tests/bodies/floating_arm.json
+    pip install pin mujoco mpmath && python benches/references/floating_arm.py > tests/bodies/floating_arm.json
 
 Three ways, of which nothing is shared but the table of the bodies:
 

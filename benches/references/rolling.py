@@ -2,7 +2,7 @@
 
     python benches/references/rolling.py                                 (needs mpmath; a few seconds)
 
-The digits are those of `tests/constrained/disk.rs`.
+The digits are those of `tests/motions/constrained/disk.rs`.
 
 With moments of inertia k m r^2 about the axle and h m r^2 across, lean phi from the vertical, heading psi, turn theta, n = psi' cos phi and
 s = psi' sin phi + theta', the equations of Newton and Euler are

@@ -3,7 +3,7 @@
 
 // (Others are of the tests alone.)
 #[allow(dead_code)]
-#[path = "../../tests/linkages/systems.rs"]
+#[path = "../../tests/motions/linkages/systems.rs"]
 mod systems;
 
 use super::{ROLLS, Row, Scene, energy, through_the_line};

@@ -2,6 +2,7 @@
 //! `LAGRANGE_TABLES=write`.
 
 use std::fmt::Write;
+use std::path::Path;
 
 /// Outcome where a hypothesis is violated alone, or the reason why there is no such hypothesis. A result that is not
 /// right says "wrong".
@@ -85,7 +86,9 @@ impl Table {
             }
         }
         assert!(wrong.is_empty(), "{}", wrong.join("\n"));
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/docs/lab/reliability.md");
+        let from = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let pages = from.ancestors().map(|folder| folder.join("docs/lab/reliability.md"));
+        let path = &{ pages }.find(|page| page.exists()).expect("the page");
         let page = std::fs::read_to_string(path).unwrap();
         let mark = format!("<!-- {name}: printed by its test, LAGRANGE_TABLES=write -->\n");
         let begin = page.find(&mark).unwrap_or_else(|| panic!("no table {name}")) + mark.len();

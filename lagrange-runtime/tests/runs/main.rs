@@ -1,8 +1,0 @@
-//! Runs whose method is chosen, of systems that were prepared, and with constraints.
-
-mod choice;
-mod constraints;
-mod prepared;
-#[path = "../systems/mod.rs"]
-mod systems;
-mod told;

@@ -1,0 +1,8 @@
+//! Events, samples and integrals along motions.
+
+mod at_rounding;
+mod crossings;
+mod integrals;
+mod samples;
+#[path = "../../../lagrange-runtime/tests/systems/mod.rs"]
+mod systems;
