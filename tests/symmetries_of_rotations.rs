@@ -295,8 +295,8 @@ lagrangian! {
     }
 }
 
-/// An angle stands behind a rotation, and its sine and cosine are on a circle. The spin's equation is that of a wheel without a
-/// motor, J (ω·a + ṡ) = p about its axis a.
+/// An angle stands behind a rotation, and its sine and cosine are on a circle. The spin's equation is that of a wheel
+/// without a motor, J (ω·a + ṡ) = p about its axis a.
 #[test]
 fn time_and_spin_drop_out_behind_rotations() {
     let facts = Spun::<f64>::FACTS;

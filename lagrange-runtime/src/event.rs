@@ -82,8 +82,11 @@
 //!
 //! A run that ends within rounding of a root has met it, at its end: a run that goes on from there does not find it
 //! again, so that none is lost or found twice where a motion is followed in pieces. A [`Stepper`](crate::Stepper)
-//! keeps on which side of zero its last eight or fewer events were, for another search for as many from the same
-//! time: two stops that are met at one time are both met, although the state is set at the first one.
+//! keeps on which side of zero its last events were, for another search for the same ones from the same
+//! time: two stops that are met at one time are both met, although the state is set at the first one. It is left at the
+//! event that was met last, unless all events up to the end were asked for, so that
+//! `stepper.until(t).events(…).next()` in a loop meets each of them. Another event is told by its name, direction and
+//! end, and by its g; by the former alone if an input has changed. A stepper looks for up to 16 events at once.
 //!
 //! An input that changes and takes g across zero is an event at that time (g is right-continuous, as inputs are),
 //! also between two searches for the same events by a stepper. Another state or system, by `set_state` or
@@ -100,7 +103,7 @@
 use crate::controller::Controller;
 use crate::failed::Failed;
 use crate::failure::Failure;
-use crate::integrate::{Drive, Number, Run, Sides, Statistics};
+use crate::integrate::{Drive, Left, Number, Run, Side, Sides, Statistics};
 use crate::method::{Method, Step};
 use crate::scalar::{Real, Scalar};
 use crate::state::State;
@@ -205,6 +208,16 @@ pub struct Events<D: Drive<N>, E, const K: usize, const N: usize> {
     stage: Stage<Number<D, N>, N>,
 }
 
+/// An event where a motion is left.
+fn left<Sys: System<N, Scalar: Real>, E: EventSet<Sys, N, K>, const K: usize, const N: usize>(
+    events: &E,
+    system: &Sys,
+    event: usize,
+    at: &State<Sys::Scalar, N>,
+) -> Left {
+    Left { event: events.kind(event).hash(), g: events.value(system, event, at).to_f64() }
+}
+
 /// Outcome of the search for the next step with events.
 enum Next<S, const N: usize> {
     /// No step is left.
@@ -219,20 +232,31 @@ type Outcome<S, const N: usize> = Result<Option<Occurrence<S, N>>, Failure<S>>;
 
 impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> Events<D, E, K, N> {
     pub(crate) fn new(mut run: D, events: E) -> Self {
-        let t = run.state().t.to_f64();
-        let search = run.sides().and_then(|sides| sides.of(t, K)).map_or(Search::NEW, Search::from_sides);
+        let mut search = Search::NEW;
+        if D::IS_LEFT {
+            let (state, sides) = (*run.state(), run.sides().copied().unwrap_or_default());
+            search.comes_from(sides.of(state.t.to_f64(), |event| left(&events, run.system(), event, &state)));
+        }
         Events { run, events, step: None, search, stage: Stage::Between }
     }
 
     /// Keeps the sides of the events where the motion may be left, `landed` before.
     fn keep_sides(&mut self, landed: bool) {
-        let t = self.run.state().t.to_f64();
-        let Some(sides) = self.run.sides() else { return };
+        let state = *self.run.state();
         match self.stage {
-            Stage::Landed(..) => sides.keep(t, true, self.search.sides_landed()),
-            Stage::Within => *sides = Sides::default(),
-            Stage::Ended if landed => {}
-            Stage::Between | Stage::Ended => sides.keep(t, false, self.search.sides()),
+            Stage::Landed(..) => self.keep(&state, true, self.search.sides_landed()),
+            Stage::Between | Stage::Ended if !landed => self.keep(&state, false, self.search.sides()),
+            _ => {}
+        }
+    }
+
+    fn keep(&mut self, at: &State<Number<D, N>, N>, landed: bool, sides: [Side; K]) {
+        let (events, system) = (&self.events, self.run.system());
+        let sides = sides.into_iter().enumerate();
+        let kept = sides.map(|(event, side)| (left(events, system, event, at), side));
+        let kept = Sides::left(at.t.to_f64(), landed, kept);
+        if let Some(sides) = self.run.sides() {
+            *sides = kept;
         }
     }
 
@@ -250,6 +274,7 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
     /// reported there, and that `state` lies on but for rounding, are not met there again. Those of the same time that
     /// were not reported yet are reported after the restart, if the motion from `state` still crosses them.
     pub fn restart(&mut self, state: State<Number<D, N>, N>) {
+        self.run.return_to_end();
         self.run.parts().1.restart(state);
         self.step = None;
         self.stage = Stage::Between;
@@ -402,9 +427,19 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
                 on_interpolant(system, stepped, x, |at: &State<Number<D, N>, N>| g(system, at))
             }
         };
-        self.search.met(&On(&self.events, self.run.system()), stepped, event, x, &state);
+        let on = On(&self.events, self.run.system());
+        let left = if D::IS_LEFT && !terminal {
+            Some(self.search.left_at(&on, stepped, (event, x), &state))
+        } else {
+            None
+        };
+        self.search.met(&on, stepped, event, x, &state);
         if terminal {
             self.stage = Stage::Landed(x, state);
+        }
+        if let Some(left) = left {
+            self.keep(&state, true, left.sides_landed());
+            self.run.back_to(state);
         }
         Ok(Some(self.occurrence(event, direction, state)))
     }
@@ -426,9 +461,12 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
     type Item = Result<Occurrence<Number<D, N>, N>, Failure<Number<D, N>>>;
 
     fn next(&mut self) -> Option<Self::Item> {
+        self.run.return_to_end();
         let landed = matches!(self.stage, Stage::Landed(..));
         let outcome = self.advance();
-        self.keep_sides(landed);
+        if D::IS_LEFT {
+            self.keep_sides(landed);
+        }
         if let Err(failure) = outcome {
             self.stage = Stage::Ended;
             if self.run.failure().is_none() {

@@ -15,7 +15,7 @@ use engine::Status;
 #[cfg(feature = "std")]
 pub use sampled::ControlLaw;
 pub use sampled::{Control, Every};
-pub use sides::{Side, Sides};
+pub use sides::{Left, Side, Sides};
 #[cfg(feature = "std")]
 pub use stepper::SampledStepper;
 pub use stepper::{Advance, Stepper, Stretch};

@@ -51,6 +51,14 @@ pub struct EventKind {
 }
 
 impl EventKind {
+    /// A hash of these properties, the same in every program (Fowler, Noll and Vo's).
+    pub(crate) fn hash(&self) -> u64 {
+        let rest = [self.direction as u8, u8::from(self.terminal)];
+        let bytes = self.name.bytes().chain(rest).chain(self.touching.to_bits().to_le_bytes());
+        bytes
+            .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+    }
+
     /// The event of these properties, as failures speak of it.
     pub(crate) fn at(&self, index: usize) -> EventName {
         EventName { index, name: self.name }

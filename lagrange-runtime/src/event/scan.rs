@@ -269,7 +269,7 @@ impl Scan {
             && self.g.abs() <= changes
             && self.sign * g(1.0 - close) >= (1.0 + close) * self.g.abs();
         is_root.then(|| {
-            self.sign = 0.0;
+            (self.sign, self.band) = (0.0, changes);
             direction
         })
     }
@@ -375,9 +375,10 @@ impl Scan {
         }
     }
 
-    /// The side at the end of a step that was looked at: whatever g is after it, it has come from there.
+    /// The side at the end of a step that was looked at: whatever g is after it, it has come from there. A root that
+    /// was met at the end is left once g exceeds its rounding.
     pub fn side_at_end(&self) -> Side {
-        [self.sign, f64::MAX]
+        [self.sign, if self.sign == 0.0 { self.band } else { f64::MAX }]
     }
 
     /// The side at an event that ended the run.

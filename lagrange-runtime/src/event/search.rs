@@ -85,21 +85,21 @@ impl<const K: usize> Search<K> {
         self.scans.iter_mut().for_each(Scan::restart);
     }
 
-    /// The search of a motion that was left, with events on these sides.
-    pub fn from_sides(sides: &[Side]) -> Self {
-        let mut search = Self::NEW;
-        search.scans.iter_mut().zip(sides).for_each(|(scan, side)| scan.comes_from(*side));
-        search
+    /// The motion was left, with events on these sides as far as they are known.
+    pub fn comes_from(&mut self, sides: [Option<Side>; K]) {
+        for (scan, side) in self.scans.iter_mut().zip(sides) {
+            side.into_iter().for_each(|side| scan.comes_from(side));
+        }
     }
 
     /// The sides of the events where all of a step was looked at.
-    pub fn sides(&self) -> impl ExactSizeIterator<Item = Side> {
-        self.scans.iter().map(Scan::side_at_end)
+    pub fn sides(&self) -> [Side; K] {
+        self.scans.each_ref().map(Scan::side_at_end)
     }
 
     /// The sides of the events at the one that ended the run.
-    pub fn sides_landed(&self) -> impl ExactSizeIterator<Item = Side> {
-        self.scans.iter().map(Scan::side_landed)
+    pub fn sides_landed(&self) -> [Side; K] {
+        self.scans.each_ref().map(Scan::side_landed)
     }
 
     /// Prepares for a step that begins in `start`.
@@ -251,6 +251,18 @@ impl<const K: usize> Search<K> {
         }
     }
 
+    /// The sides of the events of a motion that is left where the next event was met, at `x` in `state`.
+    pub fn left_at<S: Real, E: Bound<S, N, K>, const N: usize>(
+        mut self,
+        events: &E,
+        step: &(impl Within<S, N> + ?Sized),
+        (event, x): (usize, f64),
+        state: &State<S, N>,
+    ) -> Self {
+        self.ended_at(events, step, event, x, state, true);
+        self
+    }
+
     /// The event that is next was met at `x`, in `state`. One that ends the run is not looked for in the rest of the
     /// step.
     pub fn met<S: Real, E: Bound<S, N, K>, const N: usize>(
@@ -261,9 +273,24 @@ impl<const K: usize> Search<K> {
         x: f64,
         state: &State<S, N>,
     ) {
+        let terminal = events.kind(event).terminal;
+        self.ended_at(events, step, event, x, state, terminal);
+        if !terminal {
+            self.look_ahead(events, step, event);
+        }
+    }
+
+    fn ended_at<S: Real, E: Bound<S, N, K>, const N: usize>(
+        &mut self,
+        events: &E,
+        step: &(impl Within<S, N> + ?Sized),
+        event: usize,
+        x: f64,
+        state: &State<S, N>,
+        ends: bool,
+    ) {
         // A restart from here shall not meet the same event again: the rest of g is rounding, unless g jumps.
         let rounded = ULPS * step.resolution();
-        let terminal = events.kind(event).terminal;
         let moved = |by: f64| {
             let t = step.size().mul_add(S::from_f64(by), state.t);
             state.moved(t, S::one(), &step.at(x + by).minus(&step.at(x)))
@@ -275,7 +302,7 @@ impl<const K: usize> Search<K> {
             if scan.meets(x, rounded) {
                 scan.band = 4.0 * g(state).abs().min(changes()[0]);
             }
-            if terminal && other != event {
+            if ends && other != event {
                 scan.beside_another(&events.kind(other), (x, rounded), (g(state), changes()[1]), |x| {
                     g(&step.at(x))
                 });
@@ -283,9 +310,6 @@ impl<const K: usize> Search<K> {
         }
         self.scans[event].take();
         self.scans[event].met_at(x, rounded);
-        if !terminal {
-            self.look_ahead(events, step, event);
-        }
     }
 
     /// The next event that the end of a run within rounding of a root counts as, after a step in which there are no

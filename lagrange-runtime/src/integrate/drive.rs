@@ -51,11 +51,23 @@ pub trait Drive<const N: usize> {
     #[doc(hidden)]
     fn failure(&self) -> Option<Failure<Number<Self, N>>>;
 
+    /// The motion may be left, and goes on then.
+    #[doc(hidden)]
+    const IS_LEFT: bool = false;
+
     /// Sides of events, kept by a motion that goes on after it is left.
     #[doc(hidden)]
     fn sides(&mut self) -> Option<&mut Sides> {
         None
     }
+
+    /// Goes back to a state within the last step, where the motion may be left.
+    #[doc(hidden)]
+    fn back_to(&mut self, _: State<Number<Self, N>, N>) {}
+
+    /// Returns to the end of that step.
+    #[doc(hidden)]
+    fn return_to_end(&mut self) {}
 
     /// The end, if there is one.
     #[doc(hidden)]

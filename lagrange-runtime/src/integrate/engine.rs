@@ -41,6 +41,16 @@ pub enum Status<S> {
     Failed(Failure<S>),
 }
 
+/// The end of the last step, of a motion that is at a state before it.
+#[derive(Debug)]
+pub struct StepEnd<Sys: System<N>, M: Method<Sys, N>, const N: usize> {
+    state: State<Sys::Scalar, N>,
+    memory: Option<DoubleBuffer<M::MethodState>>,
+    status: Status<Sys::Scalar>,
+    across: bool,
+    approach: Approach,
+}
+
 /// Method, controller and state of a motion. The system is given to each function: it is borrowed by a run, and owned
 /// by a stepper. Runs are inlined by force, so that they live in registers.
 #[derive(Clone, Debug)]
@@ -369,6 +379,25 @@ where
         self.across[0] = false;
         self.approach = Approach::NONE;
         self.status = Status::Unprepared;
+    }
+
+    /// Goes back to `state`, which lies within the last step. [`return_to`](Self::return_to) the end of it goes on as
+    /// if that had not been.
+    pub fn back_to(&mut self, state: State<Sys::Scalar, N>) -> StepEnd<Sys, M, N> {
+        let end = StepEnd {
+            state: self.state,
+            memory: self.memory.take(),
+            status: self.status,
+            across: self.across[0],
+            approach: self.approach,
+        };
+        self.land(state);
+        end
+    }
+
+    pub fn return_to(&mut self, end: StepEnd<Sys, M, N>) {
+        (self.state, self.memory, self.status) = (end.state, end.memory, end.status);
+        (self.across[0], self.approach) = (end.across, end.approach);
     }
 
     /// The next step, if there is one left.

@@ -1,38 +1,70 @@
 //! Events that a motion has yet to meet when it is left: on which side of zero their functions were.
 
-/// Events of which that is kept.
-const KEPT: usize = 8;
+/// Most events that a stepper looks for at once.
+pub const KEPT: usize = 16;
 
 /// The sign of g of an event where the motion was left, and the largest |g| at which it still counts; 0 if it was met
 /// there, and the largest |g| at which it is not met again.
 pub type Side = [f64; 2];
 
-/// Sides of the events that were looked for last. Another search for as many events from the same time takes them for
-/// its own, so that what is crossed by an input that changes between the two, or within rounding of an impact, is
-/// found.
+/// Rounding of g at one state.
+const SAME: f64 = 1e-12;
+
+/// An event by its properties, and its g where the motion was left.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct Left {
+    /// A hash of name, direction and the like.
+    pub event: u64,
+    /// Its function there.
+    pub g: f64,
+}
+
+impl Left {
+    fn is(&self, other: &Left) -> bool {
+        (self.g - other.g).abs() <= SAME * self.g.abs().max(other.g.abs())
+    }
+}
+
+/// Sides of the events that were looked for last. Another search from the same time takes those of its own events, so
+/// that what is crossed by an input that changes between the two, or within rounding of an impact, is found. Functions
+/// are not compared: an event has the properties of the one before and, unless an input has changed, its g.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Sides {
     t: f64,
     count: usize,
-    /// The motion was left at a terminal event.
+    /// The motion was left at an event, from which an impact may lead on.
     landed: bool,
-    sides: [Side; KEPT],
+    /// Inputs have changed since.
+    driven: bool,
+    kept: [(Left, Side); KEPT],
 }
 
 impl Sides {
-    /// Keeps these, of a motion that was left at `t`; none, if there are too many.
-    pub fn keep(&mut self, t: f64, landed: bool, sides: impl ExactSizeIterator<Item = Side>) {
-        *self = Sides::default();
-        if sides.len() <= KEPT {
-            (self.t, self.landed, self.count) = (t, landed, sides.len());
-            self.sides.iter_mut().zip(sides).for_each(|(kept, side)| *kept = side);
-        }
+    /// Those of a motion that was left at `t`.
+    pub fn left(t: f64, landed: bool, events: impl ExactSizeIterator<Item = (Left, Side)>) -> Self {
+        let mut sides = Sides { t, landed, count: events.len(), ..Sides::default() };
+        sides.kept.iter_mut().zip(events).for_each(|(kept, event)| *kept = event);
+        sides
     }
 
-    /// Those of `count` events, if they were kept at `t`.
-    pub fn of(&self, t: f64, count: usize) -> Option<&[Side]> {
-        (self.t == t && self.count == count).then(|| &self.sides[..count])
+    /// The side of each of these events, if it was kept at `t`.
+    pub fn of<const K: usize>(&self, t: f64, events: impl Fn(usize) -> Left) -> [Option<Side>; K] {
+        let kept = if self.t == t { &self.kept[..self.count] } else { &[] };
+        core::array::from_fn(|i| {
+            let event = events(i);
+            // (At an impact, and by an input, g is another one.)
+            let moved = self.landed || self.driven;
+            let is = |left: &Left, moved: bool| left.event == event.event && (moved || left.is(&event));
+            let at_its_place = kept.get(i).filter(|(left, _)| is(left, moved));
+            at_its_place.or_else(|| kept.iter().find(|(left, _)| is(left, false))).map(|&(_, side)| side)
+        })
+    }
+
+    /// The inputs are others from now on.
+    pub fn driven(&mut self) {
+        self.driven = true;
     }
 
     /// The state, or the system, is another one from now on: what was within rounding of a terminal event is still to

@@ -2,11 +2,11 @@
 
 use super::Statistics;
 use super::drive::Drive;
-use super::engine::{Engine, Status, admitted};
+use super::engine::{Engine, Status, StepEnd, admitted};
 #[cfg(feature = "std")]
 use super::sampled::ControlLaw;
 use super::sampled::{Control, Every, coincide, reached};
-use super::sides::Sides;
+use super::sides::{KEPT, Sides};
 use crate::controller::{Controller, FirstStep};
 use crate::event::{EventSet, Events};
 use crate::failure::{Failure, Requirement};
@@ -333,7 +333,7 @@ where
     }
 
     /// The motion up to the time t: an iterator of its steps, and the source of events, samples and integrals. It may
-    /// be left anywhere: the stepper is at the end of the last step, or at a terminal event. Control laws with a
+    /// be left anywhere: the stepper is at the end of the last step, or at the event met last. Control laws with a
     /// sampling instant at t are called by the next step, not at t.
     ///
     /// Functions of events and integrands are given the state alone. The inputs are those of [`inputs`](Self::inputs)
@@ -367,7 +367,7 @@ where
     /// ```
     pub fn until(&mut self, t: Sys::Scalar) -> Stretch<'_, Sys, M, C, N, U> {
         self.allow(self.max_steps);
-        Stretch { stepper: self, end: t, failure: None }
+        Stretch { stepper: self, end: t, failure: None, step_end: None }
     }
 
     fn allow(&mut self, attempts: Option<u64>) {
@@ -378,6 +378,7 @@ where
     /// The inputs are others.
     fn driven(&mut self, changed: bool) {
         if changed {
+            self.sides.driven();
             self.engine.change(Status::Driven);
         }
     }
@@ -475,6 +476,8 @@ pub struct Stretch<'a, Sys: System<N>, M: Method<Sys, N>, C, const N: usize, U =
     stepper: &'a mut Stepper<Sys, M, C, N, U>,
     end: Sys::Scalar,
     failure: Option<Failure<Sys::Scalar>>,
+    /// The end of the step in which the stepper is at an event that others may follow.
+    step_end: Option<StepEnd<Sys, M, N>>,
 }
 
 impl<Sys, M, C, const N: usize, U> Stretch<'_, Sys, M, C, N, U>
@@ -498,11 +501,14 @@ where
         Samples::new(self, times)
     }
 
-    /// The events up to the time, as [`Run::events`](super::Run::events).
+    /// The events up to the time, as [`Run::events`](super::Run::events), at most 16 in a set. The stepper is left at
+    /// the event met last, on the interpolant of its step if it is not terminal, or at the end if there is no other
+    /// one.
     pub fn events<E, const K: usize>(self, events: E) -> Events<Self, E, K, N>
     where
         E: EventSet<Sys, N, K>,
     {
+        const { assert!(K <= KEPT, "a stepper looks for at most 16 events at once") };
         Events::new(self, events)
     }
 
@@ -539,8 +545,20 @@ where
         &self.stepper.engine
     }
 
+    const IS_LEFT: bool = true;
+
     fn sides(&mut self) -> Option<&mut Sides> {
         Some(&mut self.stepper.sides)
+    }
+
+    fn back_to(&mut self, state: State<Sys::Scalar, N>) {
+        self.step_end = Some(self.stepper.engine.back_to(state));
+    }
+
+    fn return_to_end(&mut self) {
+        if let Some(end) = self.step_end.take() {
+            self.stepper.engine.return_to(end);
+        }
     }
 
     fn parts(&mut self) -> (&Sys, &mut Engine<Sys, M, C, N>) {
@@ -560,6 +578,7 @@ where
         if self.failure.is_some() {
             return None;
         }
+        self.step_end = None;
         let step = match self.stepper.has_reached(self.end) {
             Ok(true) => return None,
             Ok(false) => self.stepper.go(Some(self.end)),

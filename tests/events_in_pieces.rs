@@ -1,0 +1,157 @@
+//! Events of a stepper, whose motion is followed in pieces: each is met once, wherever the pieces end and whatever
+//! other events were looked for before, against closed forms.
+
+use lagrange_runtime::prelude::*;
+use lagrange_runtime::{Controller, Stepper};
+
+lagrangian! {
+    /// A cart that rolls at a constant speed.
+    system Cart {
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0;
+        event near: x - 0.3;
+        event far: x - 0.9, terminal;
+        event gates: sin(PI * x / 0.25);
+    }
+}
+
+lagrangian! {
+    /// A ball that is thrown.
+    system Ball {
+        param g = 9.81;
+        coord y;
+        T = 0.5 * dot(y).powi(2);
+        V = g * y;
+        event ground: y, falling, terminal;
+        event apex: dot(y), falling;
+    }
+}
+
+lagrangian! {
+    /// A cart on rails, and a switch that an input works.
+    system Switched {
+        input u;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0;
+        event on: u - 1 + 1e-3 * x, rising;
+    }
+}
+
+const START: State<f64, 1> =
+    State { t: 0.0, q: SVector::<f64, 1>::new(0.0), qd: SVector::<f64, 1>::new(1.0) };
+
+fn cart() -> Stepper<Cart, Dop853, PiController, 1> {
+    Stepper::new(Cart::new(), Dop853, PiController::tolerance(1e-9), START)
+}
+
+#[test]
+fn another_search_looks_for_its_own_events() {
+    let mut cart = cart();
+    cart.until(0.4).events(Cart::NEAR).for_each(drop);
+    let far = cart.until(2.0).events(Cart::FAR).next().unwrap().unwrap();
+    assert!((far.state.t - 0.9).abs() < 1e-12, "{far:?}");
+}
+
+#[test]
+fn events_in_another_order_keep_their_sides() {
+    let mut cart = cart();
+    cart.until(0.4).events((Cart::NEAR, Cart::FAR)).for_each(drop);
+    let met: Vec<_> = cart.until(2.0).events((Cart::FAR, Cart::NEAR)).map(|met| met.unwrap().name).collect();
+    assert_eq!(met, ["far"]);
+}
+
+#[test]
+fn closures_with_other_thresholds_are_other_events() {
+    let threshold = |at: f64| Event::rising(move |s: &State<f64, 1>| s.q[0] - at);
+    let mut cart = cart();
+    cart.until(0.4).events(threshold(0.1)).for_each(drop);
+    let met: Vec<_> = cart.until(2.0).events(threshold(1.5)).map(|met| met.unwrap().state.t).collect();
+    assert!(met.len() == 1 && (met[0] - 1.5).abs() < 1e-12, "{met:?}");
+}
+
+fn gates_by<M: Method<Cart, 1>, C: Controller<f64, 1, M::Error>>(method: M, controller: C) {
+    let mut cart = Stepper::new(Cart::new(), method, controller, START);
+    let ends = [0.25, 0.5, 0.6, 1.1, 1.25, 1.25, 2.0, 2.1];
+    let times: Vec<f64> = ends
+        .into_iter()
+        .flat_map(|end| {
+            cart.until(end).events(Cart::GATES).map(|met| met.unwrap().state.t).collect::<Vec<_>>()
+        })
+        .collect();
+    assert_eq!(times.len(), 8, "{times:?}");
+    for (k, t) in times.iter().enumerate() {
+        assert!((t - 0.25 * (k + 1) as f64).abs() < 1e-12, "{times:?}");
+    }
+}
+
+#[test]
+fn pieces_that_end_on_an_event_lose_none() {
+    gates_by(Dop853, PiController::tolerance(1e-9));
+    gates_by(Verner9, PiController::tolerance(1e-9));
+    gates_by(Rk4, FixedStep::new(0.03));
+    gates_by(Taylor, TaylorController::tolerance(1e-12));
+}
+
+/// The last flight of a ball and the top of it are in one step.
+#[test]
+fn a_search_that_is_left_goes_on_at_the_event() {
+    let mut ball =
+        Stepper::new(Ball::default(), Dop853, PiController::tolerance(1e-9), State::new(0.0, [1.0], [3.0]));
+    let mut met = vec![];
+    while let Some(event) = ball.until(5.0).events((Ball::APEX, Ball::GROUND)).next() {
+        let event = event.unwrap();
+        assert_eq!(event.state.t, ball.state().t);
+        met.push((event.name, event.state.t));
+        if event.terminal {
+            break;
+        }
+    }
+    let (g, top) = (9.81, 3.0 / 9.81);
+    let ground = top + (2.0 / g * (1.0 + 0.5 * 9.0 / g)).sqrt();
+    assert_eq!(met.iter().map(|(name, _)| *name).collect::<Vec<_>>(), ["apex", "ground"]);
+    assert!((met[0].1 - top).abs() < 1e-9 && (met[1].1 - ground).abs() < 1e-9, "{met:?}");
+    assert!(ball.state().q[0].abs() < 1e-9);
+}
+
+/// A loop over `next` meets what one search meets, at the same times.
+#[test]
+fn events_one_by_one_are_those_of_one_search() {
+    let fast = Event::rising(|s: &State<f64, 1>| (20.0 * s.t).sin());
+    let slow = Event::either(|s: &State<f64, 1>| (s.q[0] - 0.31) * (s.q[0] - 1.7));
+    let all: Vec<_> = cart().until(3.0).events((fast, slow)).map(|met| met.unwrap().state.t).collect();
+    assert_eq!(all.len(), 9 + 2);
+    let mut one_by_one = cart();
+    for t in &all {
+        let met = one_by_one.until(3.0).events((fast, slow)).next().unwrap().unwrap();
+        assert!((met.state.t - t).abs() < 1e-9, "{met:?}, {t}");
+        assert_eq!(one_by_one.state().t, met.state.t);
+    }
+    assert!(one_by_one.until(3.0).events((fast, slow)).next().is_none());
+    assert_eq!(one_by_one.state().t, 3.0);
+}
+
+#[test]
+fn inputs_cross_events_between_pieces() {
+    for copies in 1..=3 {
+        let mut cart = Stepper::new(Switched::new(), Dop853, PiController::tolerance(1e-9), START);
+        let mut times = vec![];
+        for k in 1..=8 {
+            if k == 3 {
+                cart.set_inputs([2.0]).unwrap();
+            }
+            let end = 0.25 * f64::from(k);
+            times.extend(match copies {
+                1 => cart
+                    .until(end)
+                    .events([Switched::ON; 1])
+                    .map(|met| met.unwrap().state.t)
+                    .collect::<Vec<_>>(),
+                2 => cart.until(end).events([Switched::ON; 9]).map(|met| met.unwrap().state.t).collect(),
+                _ => cart.until(end).events([Switched::ON; 16]).map(|met| met.unwrap().state.t).collect(),
+            });
+        }
+        assert_eq!(times, vec![0.5; [1, 9, 16][copies - 1]], "{copies}");
+    }
+}
