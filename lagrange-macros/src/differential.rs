@@ -39,7 +39,7 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Systems tried by `cargo test`. (`.ci/full` tries thousands.)
-const FEW: u64 = 300;
+const FEW: u64 = 150;
 /// Number of systems after which progress is printed.
 const TOLD: u64 = 2000;
 /// Computations with noise on each side.

@@ -356,12 +356,12 @@ fn assert_names(names: impl Iterator<Item = String>, one_in: usize) -> Vec<Accep
 
 #[test]
 fn words_as_names() {
-    assert_names(WORDS.split_whitespace().map(String::from), 6);
+    assert_names(WORDS.split_whitespace().map(String::from), 12);
 }
 
 #[test]
 fn names_of_expansions_as_names() {
-    assert_names(identifiers_of_expansions().into_iter(), 40);
+    assert_names(identifiers_of_expansions().into_iter(), 80);
 }
 
 /// Each name in each role, where it is accepted, through rustc: what a name means where the system stands does not
