@@ -211,7 +211,7 @@ pub fn structure(model: &Model, documentation: &[String]) -> TokenStream {
     let other = other_scalar(name);
     let derives = derives(model.data());
     let has_data = in_lanes.is_some();
-    let whole = if has_data { quote!(::core::clone::Clone::clone(self)) } else { quote!(self) };
+    let whole = whole(model.data());
     let (fields_of_data, types): (Vec<&Ident>, Vec<&syn::Type>) =
         model.data().map(|(field, data)| (field, &data.ty)).unzip();
     let places = (0..types.len()).map(Index::from);
@@ -279,6 +279,11 @@ pub fn structure(model: &Model, documentation: &[String]) -> TokenStream {
 pub fn derives<'a>(mut data: impl Iterator<Item = (&'a Ident, &'a Data)>) -> TokenStream {
     let copy = data.next().is_none().then(|| quote!(Copy,));
     quote!(#[derive(Clone, #copy Debug, PartialEq)])
+}
+
+/// The system behind `self` as a value, which `map` takes: a clone, if it has data.
+pub fn whole<'a>(mut data: impl Iterator<Item = (&'a Ident, &'a Data)>) -> TokenStream {
+    if data.next().is_some() { quote!(::core::clone::Clone::clone(self)) } else { quote!(self) }
 }
 
 /// The field with the data that functions have in lanes, if there are any, and its declaration.
@@ -477,9 +482,10 @@ impl Emitter<'_> {
     /// The system over other numbers, and the function that gives a lane its data, if there are any.
     fn over(&self) -> (TokenStream, Option<TokenStream>) {
         let Model { name, runtime, .. } = &self.d.model;
+        let whole = whole(self.d.model.data());
         let fields = self.d.model.data().map(|(field, _)| field);
         let (Some(in_lanes), _) = in_lanes(runtime, self.d.model.data()) else {
-            return (quote!(self.map(f)), None);
+            return (quote!(#whole.map(f)), None);
         };
         let other = other_scalar(name);
         let lane = quote! {
@@ -487,7 +493,7 @@ impl Emitter<'_> {
                 packed.update(|packed| packed.#in_lanes.set(lane, (#(self.#fields.clone(),)*)));
             }
         };
-        (quote!(::core::clone::Clone::clone(self).map(f)), Some(lane))
+        (quote!(#whole.map(f)), Some(lane))
     }
 
     /// Switching functions of the accelerations, if there are any.

@@ -1,6 +1,6 @@
 //! Code for constraints and prescribed coordinates beside the functions of the table.
 
-use super::{Emitter, forced_inlining};
+use super::{Emitter, forced_inlining, whole};
 use crate::equations::Derived;
 use crate::equations::constraints::{ConstraintKind, Redundancy};
 use crate::graph::Symbol;
@@ -13,7 +13,7 @@ impl Emitter<'_> {
     /// Keeps a run on the constraints, and says what they admit.
     pub fn restored(&self) -> Option<TokenStream> {
         let (runtime, n, m) = (&self.d.model.runtime, self.n(), self.d.size(Size::Constraints));
-        let inlining = self.inlining(forced_inlining());
+        let (inlining, whole) = (self.inlining(forced_inlining()), whole(self.d.model.data()));
         (m > 0).then(|| {
             quote! {
                 #inlining
@@ -94,7 +94,7 @@ impl Emitter<'_> {
                     at: &#runtime::State<S, #n>,
                     each: impl ::core::ops::FnMut(#runtime::ConstraintTerms<S, #n>),
                 ) {
-                    #runtime::admissible::terms::<Self, _, #n, #m>(self, &self.map(#runtime::Dual::constant), at, each);
+                    #runtime::admissible::terms::<Self, _, #n, #m>(self, &#whole.map(#runtime::Dual::constant), at, each);
                 }
                 fn toward_constraints(&self, at: &#runtime::State<S, #n>) -> #runtime::State<S, #n> {
                     #runtime::admissible::toward::<Self, #n, #m>(self, at)

@@ -1,7 +1,7 @@
 //! The functions of the table of outputs as tokens, and the user's outputs, which are like them.
 
 use super::body::Results;
-use super::{Emitter, docs, forced_inlining, unless_documented};
+use super::{Emitter, docs, forced_inlining, unless_documented, whole};
 use crate::equations::{Derived, symmetry};
 use crate::graph::{Symbol, Value};
 use crate::model::{Layout, Model};
@@ -120,8 +120,9 @@ impl Emitter<'_> {
                 self.straight(quote!(#inline #signature), takes, gives, &values)
             }
             Computation::Duals(dual, _) => {
-                let (dual, arguments) = (ident(dual), takes.iter().map(named));
-                quote!(#signature { #runtime::#dual(&self.map(#runtime::Dual::constant), #(#arguments),*) })
+                let (dual, whole, arguments) =
+                    (ident(dual), whole(self.d.model.data()), takes.iter().map(named));
+                quote!(#signature { #runtime::#dual(&#whole.map(#runtime::Dual::constant), #(#arguments),*) })
             }
             Computation::Loop { right, .. } => {
                 let solved = self.solved(&right);
