@@ -281,6 +281,12 @@ impl Model {
         self.externals.iter().filter_map(|f| Some((&f.name, f.data.as_ref()?)))
     }
 
+    /// The value that a parameter has by default.
+    pub fn default_of(&self, parameter: usize) -> Option<f64> {
+        let of = self.parameters.iter().find(|p| p.numbers().contains(&parameter))?;
+        Some(of.default.as_ref()?[parameter - of.first])
+    }
+
     /// The numbers of the parameters that are inputs.
     pub fn inputs(&self) -> impl Iterator<Item = usize> + '_ {
         self.parameters.iter().filter(|p| p.input).flat_map(Parameter::numbers)

@@ -262,7 +262,8 @@ pub fn definite_inertia(
     if !inertia(g, &m.to_vec(), momenta, model, errors) {
         return false;
     }
-    let definite = is_positive_definite(g, m);
+    let definite =
+        is_positive_definite(g, m, |_| None) || is_positive_definite(g, m, |i| model.default_of(i));
     if !definite {
         let message = "constraints that follow from others need a positive definite inertia matrix\nhelp: give mass to every coordinate, or leave out the constraints that follow from others";
         errors.push(&model.constraints[0].name, message);
@@ -326,9 +327,14 @@ fn undetermined(a: &[Vec<f64>], first: usize) -> Option<usize> {
     None
 }
 
-/// Is this matrix positive definite wherever it is tried and has a value?
-pub fn is_positive_definite(g: &Graph, m: &[Vec<Value>]) -> bool {
-    (0..TRIALS).all(|trial| pivots_exceed(1e-12, g, m, |s| sample(s, trial, 0)))
+/// Is this matrix positive definite wherever it is tried and has a value, with these values of parameters?
+pub fn is_positive_definite(g: &Graph, m: &[Vec<Value>], given: impl Fn(usize) -> Option<f64>) -> bool {
+    (0..TRIALS).all(|trial| {
+        pivots_exceed(1e-12, g, m, |s| match s {
+            Symbol::Parameter(i) => given(i).unwrap_or_else(|| sample(s, trial, 0)),
+            _ => sample(s, trial, 0),
+        })
+    })
 }
 
 /// Is what is left of the diagonal of this matrix more than a millionth of it near the places at which coordinates

@@ -73,7 +73,7 @@ struct Search {
 /// The cheapest solution of the equations: `at` as they were written, `systems` as they are when they are pulled back
 /// to n coordinates and bordered, in one or more forms. None where no pivots are found.
 pub fn eliminated(g: &mut Graph, at: &Unreduced, systems: &[System], n: usize) -> Option<Eliminated> {
-    let sure = check::is_positive_definite(g, &systems[0].matrix[..n]);
+    let sure = check::is_positive_definite(g, &systems[0].matrix[..n], |_| None);
     let mut search = Search { best: None, tried: Vec::new(), n, sure };
     let mut orders: Vec<Rc<Factors>> = Vec::new();
     for order in ORDERS.into_iter().filter(|_| at.bound > 0) {

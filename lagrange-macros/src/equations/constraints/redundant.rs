@@ -301,8 +301,7 @@ impl Search<'_> {
         let Search { g, model, rows, trial } = *self;
         let (n, m) = (model.coordinates.len(), rows.len());
         let parameter = |i: usize| {
-            let defaults = model.parameters.iter().find(|p| p.numbers().contains(&i));
-            let default = defaults.and_then(|p| Some(p.default.as_ref()?[i - p.first]));
+            let default = model.default_of(i);
             default.filter(|_| trial % 2 == 1).unwrap_or_else(|| sample(Symbol::Parameter(i), trial, 0))
         };
         let all: Vec<Value> = rows.values.iter().chain(rows.jacobian.iter().flatten()).copied().collect();
