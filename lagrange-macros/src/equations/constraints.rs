@@ -122,6 +122,12 @@ pub fn rows(g: &mut Graph, model: &Model, values: &[Value], errors: &mut Errors)
             );
             continue;
         }
+        if kind == ConstraintKind::Holonomic && squared::is_of_one_sign(g, value) {
+            refused(
+                "the constraint `{}` holds nowhere: a sum of squares is not negative\nhelp: check its signs; a length is set as in `x * x + y * y == l * l`",
+            );
+            continue;
+        }
         if kind == ConstraintKind::Holonomic && squared::check(g, value, &row) {
             let help = match constraint.index {
                 None => "write what is squared, `… == 0`, and for a sum of squares a constraint for each",

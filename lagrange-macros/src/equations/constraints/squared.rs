@@ -1,4 +1,5 @@
-//! Constraints whose gradient vanishes wherever they hold, as that of a square does: they exert no force.
+//! Constraints whose gradient vanishes wherever they hold, as that of a square does: they exert no force. And sums of
+//! squares that hold nowhere.
 
 use crate::equations::check::sample;
 use crate::graph::{Graph, Symbol, Value};
@@ -12,6 +13,15 @@ const HELD: f64 = 1e-10;
 /// Length of a gradient that vanishes, relative to that at this distance, relative to `1 + |q|`.
 const VANISHED: f64 = 1e-5;
 const ASIDE: f64 = 1e-3;
+
+/// Is this a sum of squares and a positive number, or a negative one less squares?
+pub fn is_of_one_sign(g: &Graph, value: Value) -> bool {
+    let terms = g.terms(value);
+    let is_square = |term: &Value| term.node.is_none_or(|id| g.factors(id).iter().all(|f| f.1 % 2 == 0));
+    let signs = terms.iter().map(|term| term.k.is_negative());
+    let same = signs.clone().all(|sign| sign) || !signs.clone().any(|sign| sign);
+    same && terms.iter().all(is_square) && terms.iter().any(|term| term.node.is_none())
+}
 
 /// Does the gradient vanish at all positions on the constraint that are found?
 pub fn check(g: &Graph, value: Value, row: &[Value]) -> bool {
