@@ -5,6 +5,7 @@
 #[path = "../lagrange-macros/src/differential/harness.rs"]
 mod harness;
 
+use lagrange_runtime::lanes::Lanes;
 use lagrange_runtime::prelude::*;
 
 macro_rules! interpreted {
@@ -39,6 +40,38 @@ macro_rules! systems {
             assert_eq!(<$name as Lagrangian<$n>>::FACTS.coordinates.len(), $n);
         }
     )*};
+}
+
+/// What has no value has none between bounds, over all numbers; a slope at a bound is that within.
+#[test]
+fn clamp_keeps_what_is_not_a_number() {
+    lagrangian! {
+        system Limited {
+            coord x;
+            T = 0.5 * dot(x).powi(2);
+            V = 0;
+            Q[x] = sqrt(x).clamp(-1, 1);
+        }
+    }
+    fn force<S: Scalar>(x: S) -> S {
+        Limited::default().accel(&SVector::from([x]), &SVector::from([S::zero()]), S::zero())[0]
+    }
+    for (x, expected, slope) in
+        [(-1.0, f64::NAN, f64::NAN), (0.25, 0.5, 1.0), (1.0, 1.0, 0.5), (4.0, 1.0, 0.0)]
+    {
+        let dual = force(Dual::variable(x));
+        let lanes = force(Lanes::<4>::splat(x)).to_array();
+        for (found, expected) in [
+            (force(x), expected),
+            (dual.value, expected),
+            (dual.slope, slope),
+            (force(DoubleDouble::from(x)).value(), expected),
+            (lanes[0], expected),
+            (lanes[3], expected),
+        ] {
+            assert!(found == expected || found.is_nan() && expected.is_nan(), "{x}: {found} {expected}");
+        }
+    }
 }
 
 /// A matrix is written by its rows.

@@ -99,3 +99,30 @@ fn conditions_may_have_names() {
         }
     }
 }
+
+/// Of `clamp`, at both bounds, between them, and where its argument has no value.
+#[test]
+fn clamp_is_that_of_rust() {
+    let e = solved(input(
+        "lagrangian! { system Edge { coord x; T = 0.5 * dot(x).powi(2); V = 0; Q[x] = (2 * sqrt(x)).clamp(0.5, 1); } }",
+    ));
+    for x in [0.0, 0.0625, 0.1, 0.25, 4.0, -1.0] {
+        let found = e.graph.evaluate(&e.equations.solved.accel, |_| x)[0];
+        assert_eq!(found.to_bits(), (2.0 * f64::sqrt(x)).clamp(0.5, 1.0).to_bits(), "{x}");
+    }
+}
+
+/// The inertia matrix of an axle whose centre of mass is off its middle by c is positive definite for c < 0.77.
+#[test]
+fn inertia_is_that_of_the_default_values() {
+    let axle = |c: &str| {
+        accepted(&format!(
+            "param c = {c}; coord x, y, p;
+             T = dot(x).powi(2) + dot(y).powi(2) + 0.15 * dot(p).powi(2) + c * dot(p) * (dot(y) * cos(p) - dot(x) * sin(p));
+             V = 0;
+             redundant constraint left: dot(x) * sin(p) == dot(y) * cos(p);
+             redundant constraint right: dot(x) * sin(p) - dot(y) * cos(p) == 0;"
+        ))
+    };
+    assert!(axle("0.1") && !axle("0.9"));
+}

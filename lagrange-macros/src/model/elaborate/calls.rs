@@ -100,6 +100,9 @@ impl Elaborator<'_> {
                     return Err(self.extreme(&name, call, &arguments));
                 }
                 self.arity(&text, 1 + method_arity(&text), arguments.len(), &name)?;
+                if text == "clamp" {
+                    self.bounds_behind(call, &arguments)?;
+                }
                 match arguments.split_first() {
                     Some((receiver, rest)) => self.method(&name, receiver.clone(), rest.to_vec(), &call.args),
                     None => Err(Reported),
@@ -165,6 +168,20 @@ impl Elaborator<'_> {
         let nested = nested(&name.to_string(), &written);
         let message = format!("`{name}` takes 2 arguments, not {}\nhelp: write `{nested}`", arguments.len());
         self.errors.push(name, message)
+    }
+
+    /// Refuses `clamp(-1, 1, u)`, which is 1, or u below it.
+    fn bounds_behind(&mut self, call: &syn::ExprCall, arguments: &[Val]) -> Result<()> {
+        let are_written = call.args.iter().map(is_literal).eq([true, true, false]);
+        let given: Vec<Value> = arguments.iter().flat_map(numbers).collect();
+        let [low, high, _] = given[..] else { return Ok(()) };
+        if !are_written || low.k.compare(high.k).is_gt() {
+            return Ok(());
+        }
+        let [low, high, x] = [0, 1, 2].map(|i| plain(&call.args[i]));
+        let message =
+            format!("the bounds of `clamp` come behind the number\nhelp: write `clamp({x}, {low}, {high})`");
+        Err(self.errors.push(&call.args, message))
     }
 
     /// Is this a function, or the word of another language for one, and no name?
@@ -237,16 +254,17 @@ impl Elaborator<'_> {
         }
         let value = self.number(val, argument)?;
         if self.of_states(&[value]) {
-            let message = "the rate of a state of first order is no term of the others\nhelp: name what `rate(…)` is, `let name = …;`, and write that name here";
+            let message =
+                format!("the rate of a state of first order is no term of the others\nhelp: {RATE}");
             return Err(self.errors.push(call, message));
         }
         if self.graph.depends(&[value], |s| matches!(s, Symbol::Velocity(_) | Symbol::Rate(_))) {
             let message = match self.observing {
-                true => {
-                    "a second time derivative: accelerations are known only when the equations are solved, and in no output or event\nhelp: `system.accel_at(&state)` gives those of all coordinates, of a running stepper `stepper.system().accel_at(stepper.state())`; remove this `dot`, or this statement"
-                }
+                true => format!(
+                    "a second time derivative: {OBSERVED_ACCELERATION}; remove this `dot`, or this statement"
+                ),
                 false => {
-                    "a second time derivative: accelerations follow from the energies, they are not part of them\nhelp: `dot` applies to coordinates and positions"
+                    "a second time derivative: accelerations follow from the energies, they are not part of them\nhelp: `dot` applies to coordinates and positions".into()
                 }
             };
             return Err(self.errors.push(call, message));
@@ -388,9 +406,19 @@ impl Elaborator<'_> {
             ("to_degrees", []) => g.div(x, degree),
             ("min", &[y]) => g.choose(true, x, y),
             ("max", &[y]) => g.choose(false, x, y),
+            ("clamp", &[low, high])
+                if low.is_constant() && high.is_constant() && low.k.compare(high.k).is_gt() =>
+            {
+                let [low, high] = [low, high].map(|bound| bound.k.to_f64());
+                let message = format!(
+                    "the lower bound of `clamp` is {low}, and the upper one {high}\nhelp: the lower bound comes first, `x.clamp({high}, {low})`"
+                );
+                return Err(self.errors.push(at, message));
+            }
             ("clamp", &[low, high]) => {
+                // What is not a number is neither below a bound nor above one, and stays what it is.
                 let above = g.choose(false, x, low);
-                g.choose(true, above, high)
+                g.select(Comparison::Less, high, above, high, above)
             }
             ("mul_add", &[a, b]) => {
                 let product = g.mul(x, a);
@@ -604,6 +632,12 @@ fn arguments_meant(name: &str) -> Option<&'static str> {
 fn is_rigid(name: &str) -> bool {
     FUNCTIONS.contains(&name) || ROTATIONS.contains(&name)
 }
+
+/// The help for rates of states.
+pub(super) const RATE: &str = "name what `rate(…)` is, `let name = …;`, and write that name here";
+
+/// The reason and the help for accelerations in outputs and events.
+pub(super) const OBSERVED_ACCELERATION: &str = "accelerations are known only when the equations are solved, and in no output or event\nhelp: `system.accel_at(&state)` gives those of all coordinates, of a running stepper `stepper.system().accel_at(stepper.state())`";
 
 pub(super) const METHODS: [&str; 9] =
     ["powi", "recip", "sin_cos", "to_radians", "to_degrees", "min", "max", "clamp", "mul_add"];
