@@ -110,9 +110,9 @@ impl Errors {
     }
 }
 
-/// Tokens as one writes them: without spaces around dots, and before and within parentheses.
+/// Tokens as one writes them: without spaces around dots, behind signs, and before and within parentheses.
 pub fn plain(tokens: impl ToTokens) -> String {
-    let (mut text, mut before) = (String::new(), String::new());
+    let (mut text, mut before, mut signed) = (String::new(), String::new(), false);
     for token in tokens.to_token_stream() {
         let (own, joined) = match &token {
             TokenTree::Group(group) => {
@@ -131,10 +131,13 @@ pub fn plain(tokens: impl ToTokens) -> String {
                 (own, joined)
             }
         };
-        if !(text.is_empty() || joined || before == ".") {
+        if !(text.is_empty() || joined || signed || before == ".") {
             text.push(' ');
         }
         text += &own;
+        let behind_operand =
+            before.ends_with(|c: char| c.is_alphanumeric() || ['_', ')', ']', '}'].contains(&c));
+        signed = own == "-" && !behind_operand;
         before = own;
     }
     text
@@ -150,7 +153,7 @@ pub fn closest<'a>(unknown: &str, known: impl IntoIterator<Item = &'a str>) -> O
     let begins = |a: &str, b: &str| a.chars().count() >= 3 && b.starts_with(a);
     let close = |(distance, name): &(usize, &str)| {
         let shorter = name.chars().count().min(unknown.chars().count());
-        *distance <= 1 + shorter / 3 && *distance < unknown.chars().count()
+        *distance <= 1 + shorter.saturating_sub(1) / 3 && *distance < unknown.chars().count()
             || begins(name, unknown)
             || begins(unknown, name)
     };

@@ -822,6 +822,10 @@ fn equation(whole: Expr) -> syn::Result<(Expr, Expr)> {
             assign.eq_token.to_token_stream(),
             "nothing is assigned in a constraint\nhelp: an equation is `f == g`",
         ),
+        Expr::Binary(syn::ExprBinary { op: op @ BinOp::And(_), .. }) => (
+            op.to_token_stream(),
+            "a constraint is one equation\nhelp: write two constraints, or an equation of arrays, `[x, y] == [y, z]`",
+        ),
         other => (
             other.to_token_stream(),
             "a constraint is an equation\nhelp: if this is to vanish, write `… == 0`",
@@ -856,7 +860,7 @@ fn known_keyword(keyword: &Ident, input: ParseStream, errors: &mut Errors) -> sy
         return Err(syn::Error::new(keyword.span(), message));
     }
     let other = words::statement_of_rust(&text)
-        .or_else(|| words::statement_elsewhere(&text))
+        .or_else(|| words::statement_elsewhere(&text).filter(|_| !equals))
         .or_else(|| meant.is_none().then(|| words::equation(input))?);
     if let Some(message) = other {
         return Err(syn::Error::new(keyword.span(), message));
@@ -937,8 +941,13 @@ fn value_of_name(name: &str, rest: &[TokenTree]) -> Option<String> {
             ))
         }
         [TokenTree::Group(argument), equals, ..] if is_punct(equals, '=') => {
+            let is_force = name == "F" && argument.delimiter() == Delimiter::Bracket;
             let argument: Vec<TokenTree> = argument.stream().into_iter().collect();
             Some(match is_literal(&argument) {
+                _ if is_force => format!(
+                    "`{name}` does not begin a statement\nhelp: the force along a coordinate is `Q[{}] = …;`",
+                    plain(argument.into_iter().collect::<TokenStream>())
+                ),
                 true => format!("a system does not say where its motion starts\nhelp: {START}"),
                 false => format!(
                     "`{name}` does not begin a statement\nhelp: a function is `fn {name}({}) = …;`",

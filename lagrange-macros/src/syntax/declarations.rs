@@ -231,6 +231,9 @@ fn names_follow(input: ParseStream, word: &str, errors: &mut Errors) -> syn::Res
         let names = plain(group.stream());
         let message = match word {
             "let" => "a binding has one name\nhelp: write `let a = …; let b = …;`".into(),
+            "observe" => format!(
+                "an output has a name of its own\nhelp: one number is `observe name = …;`, several are `observe name = [{names}];`"
+            ),
             _ => format!("names are separated by commas alone\nhelp: write `{word} {names};`"),
         };
         let at = if group.delimiter() == Delimiter::Brace { group.span_open() } else { group.span() };

@@ -136,6 +136,13 @@ fn in_brackets(outer: &[TokenTree], at: usize, place: LineColumn) -> Option<(Tok
             );
             Some((here.into_iter().cloned().collect(), message))
         }
+        (Delimiter::Bracket, None) if is_here(',') && outer[0].to_string() == "input" => {
+            let message = format!(
+                "an input is declared without its limits\nhelp: limits are where it is used, `u.clamp({})`",
+                text(&inside)
+            );
+            Some((all, message))
+        }
         (Delimiter::Bracket, Some(name))
             if is_here(',') && ["D", "Diff"].contains(&name.to_string().as_str()) =>
         {

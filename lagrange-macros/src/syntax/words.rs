@@ -131,6 +131,9 @@ pub fn statement_elsewhere(word: &str) -> Option<&'static str> {
         "der" | "diff" | "ddt" => Some(
             "an equation is no statement: the equations of motion are derived\nhelp: write the energies, `T = …; V = …;`; a velocity in them is `dot(x)`",
         ),
+        "torque" | "moment" => Some(
+            "a torque is no statement\nhelp: along an angle it is `Q[theta] = …;`, on a frame in space `couple [mx, my, mz] on link;`",
+        ),
         "print" | "println" | "disp" | "plot" | "display" => {
             Some("a system prints nothing\nhelp: a number of interest is an output, `observe name = …;`")
         }

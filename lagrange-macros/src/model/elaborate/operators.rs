@@ -43,17 +43,17 @@ impl Elaborator<'_> {
     }
 
     pub(super) fn caret(&mut self, binary: &syn::ExprBinary) -> Reported {
-        let base = match &*binary.left {
-            // The left side is all that binds more strongly, such as `0.5 * m * x`.
-            Expr::Binary(inner) => &*inner.right,
-            other => other,
-        };
+        // The left side is all that binds more strongly, such as `0.5 * m * x`, or an earlier power.
+        let mut base = &*binary.left;
+        while let Expr::Binary(inner) = base {
+            base = &inner.right;
+        }
         // The right side is all that binds more strongly, too.
         let mut exponent = &*binary.right;
         while let Expr::Binary(inner) = exponent {
             exponent = &inner.left;
         }
-        let (base, exponent) = (plain(base), plain(exponent).replace("- ", "-"));
+        let (base, exponent) = (plain(base), plain(exponent));
         let exponent = match exponent.strip_prefix(['(', '{']).and_then(|rest| rest.strip_suffix([')', '}']))
         {
             Some(inside) if !inside.contains(['(', ')']) => inside.trim().to_string(),

@@ -622,6 +622,13 @@ impl Elaborator<'_> {
         }
         let targets = if rate { self.rated(coordinate)? } else { self.targets(coordinate)? };
         let values = self.evaluate(value).and_then(|val| match val {
+            Val::Closure(_) if targets.len() > 1 => {
+                let message = format!(
+                    "expected an array, found a closure\nhelp: an array is `(0..{}).map(|i| …)`",
+                    targets.len()
+                );
+                Err(self.errors.push(value, message))
+            }
             Val::Array(items) => items.into_iter().map(|item| self.number(item, value)).collect(),
             scalar => Ok(vec![self.number(scalar, value)?]),
         });

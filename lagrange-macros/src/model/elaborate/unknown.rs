@@ -1,13 +1,16 @@
 //! Names that are not known: what was probably meant, and how that is written here.
 
-use super::calls::ARRAY_METHODS;
+use super::calls::{ARRAY_METHODS, OBSERVED_ACCELERATION, RATE};
 use super::*;
 use crate::syntax::words::{CHOICE, GREEK, PERIODIC};
+
+/// Words for accelerations.
+const SECOND_DERIVATIVES: [&str; 5] = ["ddot", "dotdot", "ddt2", "diff2", "d2"];
 
 /// Words of other languages, with what is written instead of them.
 const FOREIGN: &[(&[&str], &str)] = &[
     (
-        &["ddot", "dotdot", "ddt2", "diff2", "d2"],
+        &SECOND_DERIVATIVES,
         "accelerations follow from the energies, and are not written; a velocity is `dot(x)`",
     ),
     (
@@ -71,6 +74,34 @@ const FOREIGN: &[(&[&str], &str)] = &[
     (
         &["integral", "integrate", "Integral", "cumtrapz"],
         "an integral over time is a state with its rate, `state z; rate(z) = …;`",
+    ),
+    (
+        &["int"],
+        "an integral over time is a state with its rate, `state z; rate(z) = …;`; functions that jump everywhere are not part of the language",
+    ),
+    (&["rate"], RATE),
+    (&["ramp"], "a ramp that begins at t0 is `max(t - t0, 0)`"),
+    (&["lerp", "mix"], "between a and b it is `a + (b - a) * s`"),
+    (
+        &["mean", "average", "avg"],
+        "the mean of two numbers is `0.5 * (a + b)`, that of an array of N numbers `x.sum() / N`",
+    ),
+    (&["sinc"], "it is `sin(x) / x`, which has no value at 0"),
+    (
+        &["erf", "erfc", "gamma", "tgamma", "lgamma", "bessel", "besselj"],
+        "a function of your own is declared, `extern fn name(x);`, and written in Rust beside the system, `fn name<S: Scalar>(x: S) -> S`",
+    ),
+    (
+        &["rand", "random", "randn", "noise", "white_noise"],
+        "the equations have no chance in them: a random number is a parameter, of which each sample has its own, or an input that is set between steps",
+    ),
+    (
+        &["euler", "Euler", "euler_angles", "from_euler", "rpy"],
+        "a rotation by three angles is a product, `rotation_z(a) * rotation_x(b) * rotation_z(c)`",
+    ),
+    (
+        &["omega", "ang_vel", "angvel"],
+        "the angular velocity of a frame, in its axes, is `angular_velocity(f)`",
     ),
     (&["floor", "ceil", "round", "trunc", "fract", "modulo", "fmod", "rem", "rem_euclid"], PERIODIC),
     (&["not"], "write `!(x < 0)`"),
@@ -299,6 +330,12 @@ impl Elaborator<'_> {
             };
             let message = format!("`{text}` is called as a method\nhelp: write {example}");
             return self.errors.push(name, message);
+        }
+        if self.observing && SECOND_DERIVATIVES.contains(&text.as_str()) {
+            return self.errors.push(
+                name,
+                format!("unknown function `{text}`: {OBSERVED_ACCELERATION}; remove this statement"),
+            );
         }
         if let Some(help) = foreign(&text) {
             return self.errors.push(name, format!("unknown function `{text}`\nhelp: {help}"));

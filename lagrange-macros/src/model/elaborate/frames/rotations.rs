@@ -62,6 +62,13 @@ impl Elaborator<'_> {
                 let angle = self.angle(angle, &call.args[0])?;
                 self.about(IDENTITY[axis], angle)
             }
+            (None, Some(Val::Int(_) | Val::Number(_)), Some(Val::Array(_)), None) => {
+                let [angle, axis] = [0, 1].map(|i| plain(&call.args[i]));
+                let message = format!(
+                    "the axis of a rotation comes before its angle\nhelp: write `rotation({axis}, {angle})`"
+                );
+                return Err(self.errors.push(&call.args, message));
+            }
             (None, Some(axis), Some(angle), None) => {
                 let angle = self.angle(angle, &call.args[1])?;
                 let axis = self.direction(axis, &call.args[0])?;
