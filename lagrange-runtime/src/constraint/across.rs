@@ -8,7 +8,7 @@
 use super::dependence::{least_sine, nearly_dependent_part};
 use super::{Constrained, independence, restore, transposed};
 use crate::linear::product;
-use crate::scalar::{Real, RealCase, Scalar};
+use crate::scalar::{Functions, Real, RealCase, Scalar};
 use crate::state::{Begun, State, constant};
 use nalgebra::{SMatrix, SVector};
 
@@ -29,9 +29,10 @@ const WEIGHTS: [[f64; 6]; 2] = [
 /// and other coordinates are fast, nodes are too far apart.
 const SMOOTH: f64 = 1e-6;
 
-/// Spacing of nodes, in radians of the fastest coordinate, that lose no digits to speak of; and the difference of the
-/// polynomials up to which they are taken.
-const WIDE: f64 = 0.08;
+/// Spacings of nodes, as sines between gradients there, that lose no digits to speak of: of motions by angles, and by
+/// places, whose series along a tangent converge up to a radian; and the difference of the polynomials up to which they
+/// are taken.
+const WIDE: [f64; 2] = [0.08, 0.04];
 const SMOOTHER: f64 = 1e-9;
 
 /// Square of the sine below which a state is nearer to the position than such nodes, and that of a state that is in it
@@ -176,7 +177,7 @@ impl<S: Real, const N: usize> Nodes<S, N> {
         };
         let apart = |at: &State<S, N>| independence::<Sys, N, M>(system, reference, at) >= CLOSE;
         if spacing == 0.0 {
-            spacing = FIRST_SPACING / fastest;
+            spacing = FIRST_SPACING * unit(system, reference, at) / fastest;
         }
         for _ in 0..MOST_SPACINGS {
             let nearest = both(spacing).filter(|[before, after]| {
@@ -252,13 +253,14 @@ impl<S: Real, const N: usize> Nodes<S, N> {
 /// polynomial leave of 1.
 const POLE: f64 = 1e-10;
 
-/// Relative change of a force by a distance that tells nothing of its place: a state may be so far beside its branch.
+/// Relative change of a force by a distance, in units of that of the motion, that tells nothing of its place: a state
+/// may be so far beside its branch.
 const STEEP: f64 = 10.0;
 
 /// Distance between a state and those beside it that show how long gradients are elsewhere.
 const ASIDE: f64 = 0.25;
 
-/// The smallest spacing of nodes without a step, in units of the fastest coordinate.
+/// The smallest spacing of nodes without a step, in units of the fastest coordinate and of the motion.
 const FIRST_SPACING: f64 = 1e-6;
 
 /// Distance between a node and its projection, in units of that of the node.
@@ -305,7 +307,8 @@ pub fn begun_across<Sys: Constrained<N, M>, const N: usize, const M: usize>(
 where
     Sys::Scalar: Real,
 {
-    let reference = aside(system, at, &at.qd, clock(system, at))?;
+    let clock = clock(system, at);
+    let reference = elsewhere(system, at, &at.qd, clock).or_else(|| aside(system, at, &at.qd, clock))?;
     let independent = independence::<Sys, N, M>(system, &reference, at);
     let on_branch = || on_branch::<Sys, N, M>(system, &reference, at);
     let state = (independent < CLOSE).then(on_branch).flatten();
@@ -326,8 +329,10 @@ where
     [-s, s].into_iter().find_map(|s| projected(system, at, along, s, clock))
 }
 
-/// [`aside`] as far as the nearest state on the constraints follows, in whatever units.
-fn nearest_aside<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+/// [`aside`] as far as the nearest state on the constraints follows, in whatever units. Where coordinates are large
+/// numbers, gradients at that distance are as dependent as here: how little the way there curves tells how far elsewhere
+/// is.
+fn elsewhere<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
     along: &SVector<Sys::Scalar, N>,
@@ -337,16 +342,64 @@ where
     Sys::Scalar: Real,
 {
     let fastest = largest(along);
-    let follows = |state: &State<Sys::Scalar, N>, s: f64| {
+    // The nearest state, and how far it is beside the tangent, relative to its distance.
+    let beside = |s: f64| {
+        let state = projected(system, at, along, s, clock)?;
         let off = state.q - at.q - along * Sys::Scalar::from_f64(s);
-        largest(&off) <= BESIDE * s.abs() * fastest
+        Some((state, largest(&off) / (s.abs() * fastest))).filter(|(_, off)| *off <= BESIDE)
     };
-    (0..SCALES).find_map(|k| {
-        let s = ASIDE / fastest / f64::from(1u32 << (2 * k));
-        [-s, s]
-            .into_iter()
-            .find_map(|s| projected(system, at, along, s, clock).filter(|state| follows(state, s)))
-    })
+    let up_to = |distance: f64| {
+        (0..SCALES).find_map(|k| {
+            let s = distance / fastest / f64::from(1u32 << (2 * k));
+            [-s, s].into_iter().find_map(beside)
+        })
+    };
+    let (mut state, mut off) = up_to(ASIDE)?;
+    let mut apart = sine(system, &state);
+    // (More than once, since rounding curves the way too.)
+    while apart < APART && (STRAIGHT..CURVED).contains(&off) {
+        let Some((far, curved)) = up_to(largest(&(state.q - at.q)) * CURVED / off) else { break };
+        let there = sine(system, &far);
+        if there <= 2.0 * apart {
+            break;
+        }
+        (state, off, apart) = (far, curved, there);
+    }
+    Some(state)
+}
+
+/// Distance beside the tangent, relative to that along it, of states that are elsewhere; and one that is rounding.
+const CURVED: f64 = 0.15;
+const STRAIGHT: f64 = 1e-9;
+
+/// Sine between gradients above which they are those of elsewhere.
+const APART: f64 = 0.2;
+
+/// Distance in which gradients that are dependent at a state would become orthogonal, by those of the reference: the
+/// unit of length of the motion there.
+fn unit<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    reference: &State<Sys::Scalar, N>,
+    at: &State<Sys::Scalar, N>,
+) -> f64
+where
+    Sys::Scalar: Real,
+{
+    match largest(&(reference.q - at.q)) / sine(system, reference).max(APART) {
+        0.0 => 1.0,
+        unit => unit,
+    }
+}
+
+/// [`least_sine`] by the gradients of the state alone.
+fn sine<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+) -> f64
+where
+    Sys::Scalar: Real,
+{
+    Functions::sqrt(least_sine(system, at, 0.0))
 }
 
 /// Distances of a state aside that are tried, each a quarter of the one before: down to 1e-10.
@@ -503,7 +556,7 @@ where
         let static_force = system.momentum_rate(&at.q, &constant(Scalar::zero()), at.t);
         let force = |node: &State<_, N>| system.momentum_rate(&node.q, &node.qd, node.t);
         let multipliers = |node: &State<_, N>| system.multipliers(&node.q, &node.qd, node.t);
-        let of = |nodes: Nodes<Sys::Scalar, N>, smooth: f64| {
+        let of = |nodes: Nodes<Sys::Scalar, N>, unit: f64, smooth: f64| {
             let own = force(at);
             let accel = |node: &State<_, N>| accelerated(system, node, &own);
             let accelerations = nodes.middle(accel, smooth, smooth * nodes.pace)?;
@@ -519,7 +572,7 @@ where
             // A state beside its branch has a force beside that of the branch.
             let unseen = own - nodes.middle(force, f64::INFINITY, 0.0)?;
             let beside = largest(&(at.q - nodes.middle(|node| node.q, f64::INFINITY, 0.0)?));
-            let least = (STEEP * beside).clamp(SMOOTHER, SMOOTH);
+            let least = (STEEP * beside / unit).clamp(SMOOTHER, SMOOTH);
             let is_seen = nodes.all(|node| {
                 let error = largest(&response(system, node, &unseen).1);
                 error <= least * largest(&multipliers(node)).max(size)
@@ -537,21 +590,22 @@ where
 }
 
 /// A quantity at a state at which gradients are nearly dependent: that of the state alone if they are so everywhere, by
-/// masses that differ much, else that `of` nodes, to some part of it. `push` is a force that may move a state at rest.
+/// masses that differ much, else that `of` nodes, a unit of length and the part of it to which it is known. `push` is a
+/// force that may move a state at rest.
 fn on_both_sides<Sys: Constrained<N, M>, const N: usize, const M: usize, T>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
     push: &SVector<Sys::Scalar, N>,
     alone: impl Fn(&State<Sys::Scalar, N>) -> T,
-    of: impl Fn(Nodes<Sys::Scalar, N>, f64) -> Option<T>,
+    of: impl Fn(Nodes<Sys::Scalar, N>, f64, f64) -> Option<T>,
 ) -> Option<T>
 where
     Sys::Scalar: Real,
 {
-    let moving = || nearest_aside(system, at, &at.qd, clock(system, at));
+    let moving = || elsewhere(system, at, &at.qd, clock(system, at));
     // (At rest in such a position, to rounding, a force leads to any of the branches.)
     let pushed = || {
-        let aside = nearest_aside(system, at, &response(system, at, push).0, 0.0)?;
+        let aside = elsewhere(system, at, &response(system, at, push).0, 0.0)?;
         (independence::<Sys, N, M>(system, &aside, at) > AT_POSITION).then_some(aside)
     };
     let Some(reference) = moving().or_else(pushed) else {
@@ -562,13 +616,15 @@ where
     if independence >= BETWEEN {
         return Some(alone(at));
     }
+    let unit = unit(system, &reference, at);
     let found = |h: f64, smooth: f64| {
-        Nodes::about(system, &reference, at, Sys::Scalar::from_f64(h), |nodes| of(nodes, smooth))
+        Nodes::about(system, &reference, at, Sys::Scalar::from_f64(h), |nodes| of(nodes, unit, smooth))
     };
     let on_branch = || Some(alone(&projected(system, at, &at.qd, 0.0, 0.0)?));
     let near = || if independence >= CLOSE { on_branch() } else { found(0.0, SMOOTH) };
     // Nodes farther apart lose fewer digits, if all is smooth there.
-    found(32.0 * WIDE / largest(&at.qd), SMOOTHER).or_else(near)
+    let wide = |spacing: f64| 32.0 * spacing * unit / largest(&at.qd);
+    WIDE.into_iter().find_map(|spacing| found(wide(spacing), SMOOTHER)).or_else(near)
 }
 
 /// Change of the velocities by an impulse, and the impulse `Aᵀ Λ` of the constraints: near a state at which constraints
@@ -601,7 +657,7 @@ impl<Sys: Constrained<N, M>, const N: usize, const M: usize> RealCase<Sys::Scala
         if least_sine(system, at, 1.0) >= BETWEEN {
             return self.any();
         }
-        let of = |nodes: Nodes<Sys::Scalar, N>, smooth: f64| {
+        let of = |nodes: Nodes<Sys::Scalar, N>, _: f64, smooth: f64| {
             // Roundings are those of the change that there would be without constraints.
             let inertia = system.inertia(&at.q, &at.qd, at.t);
             let free = (0..N).map(|i| (impulse[i] / inertia[(i, i)]).to_f64().abs());

@@ -48,13 +48,19 @@ where
         return 1.0;
     }
     let Some(here) = products(system, at) else { return 1.0 };
-    let far = products(system, &away(at, FAR, 1.0)).unwrap_or(here);
+    let far = products(system, &far(at)).unwrap_or(here);
     let squares = longest(&(far * (part * part)), &here);
     let rank = usual_rank::<Sys, N, M>(Some(&far), squares).unwrap_or(M).min(N);
     Elimination::new(&here, squares).least_pivot(rank)
 }
 
-/// Distance of a state at which gradients that vanish at another one are long, relative to `1 + |q|`.
+/// A state far away, off the constraints, at which gradients that vanish at this one are long: a coordinate that is 0
+/// is moved beside the largest one, whatever the unit of length.
+fn far<S: Real, const N: usize>(at: &State<S, N>) -> State<S, N> {
+    away(at, FAR, at.q.iter().fold(1.0, |most, x| x.to_f64().abs().max(most)))
+}
+
+/// Its distance, relative to these coordinates.
 const FAR: f64 = 0.2;
 
 /// Constraints that do not follow from others at a state.
@@ -110,7 +116,7 @@ where
         let rank = usual_rank::<Sys, N, M>(Some(&elsewhere), squares(&elsewhere))?.min(N);
         let involved = involved(&elsewhere, &products(system, at)?, brink, rank)?;
         // (A gradient may have no part along a wire wherever it is met.)
-        let aside = away(at, FAR, 1.0);
+        let aside = far(at);
         let rows =
             [reference, at, &aside].map(|at| system.constraint_jacobian(&at.q, at.t).map(|x| x.to_f64()));
         let moved: [bool; N] = core::array::from_fn(|i| {

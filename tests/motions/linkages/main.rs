@@ -11,6 +11,7 @@ mod regular;
 mod stiffness;
 mod stops;
 mod systems;
+mod units;
 
 use lagrange_runtime::prelude::*;
 use nalgebra::{DMatrix, DVector, SVector};
