@@ -254,6 +254,7 @@ fn the_linear_model_is_exact() {
         let [x, y] = arm.tip(&s.q, &s.qd, s.t).into();
         [x, y, arm.load(&s.q, &s.qd, s.t)]
     });
+    let model = model.unwrap();
     // (q, q̇, u) to (q̇, q̈, y).
     let whole = |x: [Dual<f64>; 8]| -> [Dual<f64>; 7] {
         let mut arm = arm.map(Dual::constant);

@@ -488,7 +488,8 @@ mod analysis {
         }
         let model = StateSpace::about(&drive, &state)
             .unwrap()
-            .observed(&drive, &state, |drive, s| [drive.voltage(&s.q, &s.qd, s.t)]);
+            .observed(&drive, &state, |drive, s| [drive.voltage(&s.q, &s.qd, s.t)])
+            .unwrap();
         assert_eq!((model.a.shape(), model.b.shape(), model.c.shape()), ((4, 4), (4, 1), (1, 4)));
         let c = DMatrix::from_row_slice(1, 4, &[-4.0, 0.0, 0.0, 3.0]);
         assert!((model.c - c).amax() < 1e-15 && model.d[(0, 0)] == 4.0);

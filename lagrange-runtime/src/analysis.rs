@@ -33,6 +33,7 @@ mod equilibrium;
 mod error;
 mod exponential;
 mod hypotheses;
+mod kink;
 mod lyapunov;
 mod modal;
 mod model;

@@ -141,7 +141,7 @@ pub(super) fn resting<Sys: Linearize<N, Scalar = f64>, const N: usize>(
 /// - It is not on a switch of the forces at which these or their derivatives jump, by
 ///   [`System::switches`](crate::System::switches). Forces whose sides have the same derivatives, as quadratic drag
 ///   at rest, have small motions.
-///
+/// - It is on no kink of a function with data, such as a knot of [`Curve::linear`](crate::traits::Curve::linear).
 /// - Constraints, if there are any, admit rest, and are independent at the guess and at the equilibrium, but for
 ///   those that follow from others everywhere. The guess may be beside them.
 ///
@@ -153,7 +153,7 @@ pub(super) fn resting<Sys: Linearize<N, Scalar = f64>, const N: usize>(
 /// [`AnalysisError::OffConstraints`], [`AnalysisError::DependentConstraints`], [`AnalysisError::TimeDependent`],
 /// [`AnalysisError::NotConverged`], [`AnalysisError::Unbalanced`] where a force is left that no displacement changes,
 /// however small it is beside the others, [`AnalysisError::NotFinite`], [`AnalysisError::Inertia`],
-/// [`AnalysisError::Switch`].
+/// [`AnalysisError::Switch`], [`AnalysisError::Kink`].
 pub fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     guess: &[f64; N],
@@ -209,15 +209,15 @@ pub fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
 ///
 /// # Hypotheses
 /// - Those of [`equilibrium`] that belong to the system: autonomous equations, constraints that admit rest.
-/// - No equilibrium that is found is on a switch of the forces.
+/// - No equilibrium that is found is on a switch of the forces, or on a kink of a function with data.
 ///
 /// A start from which none is reached is left out, whatever the reason, and so is a configuration with singular
 /// inertia, or one in which constraints are dependent.
 ///
 /// # Errors
-/// [`AnalysisError::TimeDependent`], [`AnalysisError::Switch`]; [`AnalysisError::NotApplicable`] unless the box is
-/// finite and `low ≤ high`; [`AnalysisError::OffConstraints`] and others by which every start failed that is not
-/// merely too far from an equilibrium.
+/// [`AnalysisError::TimeDependent`], [`AnalysisError::Switch`], [`AnalysisError::Kink`];
+/// [`AnalysisError::NotApplicable`] unless the box is finite and `low ≤ high`; [`AnalysisError::OffConstraints`] and
+/// others by which every start failed that is not merely too far from an equilibrium.
 pub fn equilibria<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     low: &[f64; N],
@@ -241,7 +241,11 @@ pub fn equilibria<Sys: Linearize<N, Scalar = f64>, const N: usize>(
                 | AnalysisError::DependentConstraints { .. }
                 | AnalysisError::Inertia { .. },
             ) => continue,
-            Err(error @ (AnalysisError::Switch { .. } | AnalysisError::TimeDependent)) => return Err(error),
+            Err(
+                error @ (AnalysisError::Switch { .. }
+                | AnalysisError::Kink { .. }
+                | AnalysisError::TimeDependent),
+            ) => return Err(error),
             Err(error) => {
                 reason = reason.or(Some(error));
                 continue;

@@ -24,7 +24,8 @@ pub enum AnalysisError {
         coordinate: Coordinate,
     },
     /// Time appears in the equations of motion ([`Facts::autonomous`](crate::Facts::autonomous) is not proved): there
-    /// is no equilibrium, and small motions have no constant coefficients.
+    /// is no equilibrium, small motions have no constant coefficients, and so has the model from one sampling instant
+    /// to the next.
     TimeDependent,
     /// The inertia matrix is not symmetric.
     UnsymmetricInertia {
@@ -41,6 +42,20 @@ pub enum AnalysisError {
     SwitchedInput {
         /// Its name.
         input: &'static str,
+    },
+    /// Forces or their derivatives jump as a coordinate or its velocity passes its value at the state, and no switch of
+    /// the formulas is there: the state is on a kink of a function with data, such as a knot of
+    /// [`Curve::linear`](crate::traits::Curve::linear), or of an `extern fn`.
+    Kink {
+        /// The coordinate.
+        coordinate: Coordinate,
+        /// Is it its velocity that they jump with?
+        velocity: bool,
+    },
+    /// An output, or one of its derivatives, jumps as a state or an input passes its value, as `x.abs()` does at 0.
+    SwitchedOutput {
+        /// Its index.
+        output: usize,
     },
     /// Damping is negative: the energy grows along some motions.
     NegativeDamping {
@@ -152,7 +167,7 @@ impl AnalysisError {
     /// Its name: `"TimeDependent"`.
     pub fn name(&self) -> &'static str {
         variant! { self => AnalysisError:
-            NotEquilibrium, Inertia, TimeDependent, UnsymmetricInertia, Switch, SwitchedInput, NegativeDamping, Unstable, DependentCoordinates, OffConstraints, DependentConstraints, ConstrainedInput, Circulatory, Gyroscopic, NotFinite, Dimension, NotConverged, Unbalanced, Running, AtRest, Unresolved, NoSteadyMotion, NotApplicable, Resonance, Run,
+            NotEquilibrium, Inertia, TimeDependent, UnsymmetricInertia, Switch, SwitchedInput, Kink, SwitchedOutput, NegativeDamping, Unstable, DependentCoordinates, OffConstraints, DependentConstraints, ConstrainedInput, Circulatory, Gyroscopic, NotFinite, Dimension, NotConverged, Unbalanced, Running, AtRest, Unresolved, NoSteadyMotion, NotApplicable, Resonance, Run,
         }
     }
 }
@@ -199,6 +214,19 @@ impl fmt::Display for AnalysisError {
                 "the input `{input}` is where the forces switch (`clamp`, `abs`, `if`, …), and their derivatives on its two sides \
                  differ: there is no B; take the model with the input on the side that is meant, or hold it (`without_inputs`)"
             ),
+            Kink { coordinate, velocity } => write!(
+                f,
+                "the forces or their derivatives jump as {}coordinate {coordinate} passes its value: an argument of an `extern` function is at \
+                 a kink there (a knot of `Curve::linear` or `Surface::linear`, an end with `Beyond::Held`, an `abs` of a Rust \
+                 function), and no linear equations hold about it; join the points by `cubic` or `monotone`, or take a state on the \
+                 side that is meant",
+                if *velocity { "the velocity of " } else { "" }
+            ),
+            SwitchedOutput { output } => write!(
+                f,
+                "output {output} or its derivatives jump at this state (`abs`, `clamp`, `if`, the knot of a table, …): there are no \
+                 C and D; take the model about a state on the side that is meant"
+            ),
             NegativeDamping { eigenvalue } => write!(
                 f,
                 "damping is negative along some motion (smallest eigenvalue {eigenvalue:e} of the damping matrix scaled to \
@@ -211,9 +239,9 @@ impl fmt::Display for AnalysisError {
             ),
             TimeDependent => write!(
                 f,
-                "time appears in the equations of motion: equilibria and small vibrations need an autonomous system, such as one in a \
-                 steadily moving frame in which time drops out; integrate it, or derive a system without its force of time, with \
-                 `pub simplified Free: neglect F0;` in the definition, F0 being the factor of that force"
+                "time appears in the equations of motion: equilibria, small vibrations and sampled models need an autonomous system, such \
+                 as one in a steadily moving frame in which time drops out; integrate it, or derive a system without its force of \
+                 time: where a parameter multiplies that force, `pub simplified Free: neglect parameter;` in the definition"
             ),
             DependentCoordinates { constraint } => write!(
                 f,

@@ -65,12 +65,13 @@ const MOST_HALVINGS: usize = 30;
 /// # Hypotheses
 /// - Time does not appear in the equations of motion ([`Facts::autonomous`](crate::Facts::autonomous)), and there are
 ///   no constraints.
-/// - The point is not on a switch of the forces or rates at which these or their derivatives jump.
+/// - The point is not on a switch of the forces or rates, or a kink of a function with data, at which these or their
+///   derivatives jump.
 ///
 /// # Errors
 /// [`AnalysisError::TimeDependent`], [`AnalysisError::DependentCoordinates`], [`AnalysisError::NotConverged`],
-/// [`AnalysisError::NotFinite`]; [`AnalysisError::Switch`]; [`AnalysisError::Unbalanced`], with an acceleration for
-/// the force, where nothing holds the system, and [`AnalysisError::Running`] of a state.
+/// [`AnalysisError::NotFinite`]; [`AnalysisError::Switch`], [`AnalysisError::Kink`]; [`AnalysisError::Unbalanced`],
+/// with an acceleration for the force, where nothing holds the system, and [`AnalysisError::Running`] of a state.
 pub fn operating_point<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     guess: &State<f64, N>,

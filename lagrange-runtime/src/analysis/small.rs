@@ -125,8 +125,9 @@ impl SmallMotion {
     ///
     /// # Errors
     /// Those of [`SmallMotion::new`], [`AnalysisError::TimeDependent`], [`AnalysisError::NotEquilibrium`],
-    /// [`AnalysisError::Switch`], [`AnalysisError::OffConstraints`], [`AnalysisError::DependentConstraints`], and
-    /// [`AnalysisError::NotApplicable`] where one of the last two hypotheses does not hold.
+    /// [`AnalysisError::Switch`], [`AnalysisError::Kink`], [`AnalysisError::OffConstraints`],
+    /// [`AnalysisError::DependentConstraints`], and [`AnalysisError::NotApplicable`] where one of the last two
+    /// hypotheses does not hold.
     pub fn steady<Sys: Linearize<N, Scalar = f64>, const N: usize>(
         system: &Sys,
         at: &State<f64, N>,

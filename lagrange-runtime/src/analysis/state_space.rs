@@ -4,6 +4,7 @@ use super::AnalysisError;
 use super::constrained::held;
 use super::eigen::eigenvalues;
 use super::exponential;
+use super::kink::{BESIDE, jumps};
 use super::switch::{DISPLACEMENTS, Equations, shrinks, smooth};
 use super::tangent::{ACTS, TangentSpace, dynamic, units};
 use crate::input::{InputJacobian, Inputs};
@@ -11,7 +12,7 @@ use crate::lanes::Rescale;
 use crate::scalar::Dual;
 use crate::state::State;
 use crate::system::{Jacobian, Lagrangian, System};
-use nalgebra::{Complex, DMatrix, SVector};
+use nalgebra::{Complex, DMatrix};
 
 /// `δẋ = A δx + B δu`, `δy = C δx + D δu`: small deviations from a motion, exactly as they follow from the
 /// definition, in the units of the system. Of a sampled model the first equation is `δx⁺ = A δx + B δu`.
@@ -33,6 +34,11 @@ pub struct StateSpace {
     pub basis: DMatrix<f64>,
     /// Index of each state in (q, q̇): below N it is the deviation of a coordinate, from N on that of a velocity.
     pub states: Vec<usize>,
+    /// Does time appear in the equations, so that A and B may hold at one instant alone? It is false where
+    /// [`Facts::autonomous`](crate::Facts::autonomous) is proved, and without inputs where
+    /// [`Facts::linear`](crate::Facts::linear) is. Whoever knows that A and B are constant, as beside a load f(t), sets
+    /// it to false.
+    pub time_dependent: bool,
 }
 
 impl StateSpace {
@@ -45,7 +51,8 @@ impl StateSpace {
     /// - No input appears in a constraint: otherwise [`AnalysisError::ConstrainedInput`].
     /// - Accelerations and their derivatives are finite: otherwise [`AnalysisError::NotFinite`].
     /// - The state is on no switch of the forces at which they or their derivatives jump, as Coulomb friction is at
-    ///   rest: otherwise [`AnalysisError::Switch`]. No input is, as one at the limit of a `clamp`: otherwise
+    ///   rest: otherwise [`AnalysisError::Switch`]. It is on no kink of a function with data: otherwise
+    ///   [`AnalysisError::Kink`]. No input is, as one at the limit of a `clamp`: otherwise
     ///   [`AnalysisError::SwitchedInput`].
     ///
     /// ```
@@ -63,7 +70,7 @@ impl StateSpace {
     ///     }
     /// }
     /// let (motor, at) = (Motor::new(2.0, 0.5), State::new(0.0, [1.0], [0.0]));
-    /// let model = StateSpace::about(&motor, &at)?.observed(&motor, &at, |motor, s| [motor.height(&s.q, &s.qd, s.t)]);
+    /// let model = StateSpace::about(&motor, &at)?.observed(&motor, &at, |motor, s| [motor.height_at(s)])?;
     /// assert_eq!(model.b[(1, 0)], 0.5);
     /// assert!((model.a[(1, 0)] + 9.81 * 0.5 * 1f64.cos() / 2.0).abs() < 1e-15);
     /// assert!((model.c[(0, 0)] - 0.5 * 1f64.sin()).abs() < 1e-15);
@@ -89,7 +96,9 @@ impl StateSpace {
         smooth_in_inputs(system, at)?;
         let rates = |i: usize, k: usize| free.states[i].checked_sub(N).map_or(0.0, |i| by_inputs[(i, k)]);
         let n = free.states.len();
-        Ok(StateSpace { b: DMatrix::from_fn(n, K, rates), d: DMatrix::zeros(n, K), ..free })
+        let (b, d, time_dependent) =
+            (DMatrix::from_fn(n, K, rates), DMatrix::zeros(n, K), !Sys::FACTS.autonomous);
+        Ok(StateSpace { b, d, time_dependent, ..free })
     }
 
     /// The model of a system about a state with its inputs, if it has any, left as they are: B and D have no columns.
@@ -126,7 +135,9 @@ impl StateSpace {
         rates.rows_mut(N, N).copy_from(&(dynamic(&q) * displaced + dynamic(&qd) * moved));
         let (a, n) = (rates.select_rows(&states), states.len());
         let (b, c, d) = (DMatrix::zeros(n, 0), DMatrix::identity(n, n), DMatrix::zeros(n, 0));
-        Ok(StateSpace { a, b, c, d, basis, states })
+        // (Of a linear system time is in a load alone, but that it may multiply inputs.)
+        let time_dependent = !(Sys::FACTS.autonomous || Sys::FACTS.linear);
+        Ok(StateSpace { a, b, c, d, basis, states, time_dependent })
     }
 
     /// Eigenvalues of A, the slowest growth first: the poles of the system, with all that its states make of it.
@@ -142,38 +153,58 @@ impl StateSpace {
     }
 
     /// The model with these outputs: functions of the system and its state, over dual numbers.
+    ///
+    /// # Errors
+    /// [`AnalysisError::SwitchedOutput`] where an output or its derivatives jump along a state or an input, as
+    /// `x.abs()` does at 0.
     pub fn observed<Sys, const N: usize, const K: usize, const P: usize>(
         self,
         system: &Sys,
         at: &State<f64, N>,
         outputs: impl Fn(&Sys::Over<Dual<f64>>, &State<Dual<f64>, N>) -> [Dual<f64>; P],
-    ) -> Self
+    ) -> Result<Self, AnalysisError>
     where
         Sys: Rescale<N, Scalar = f64>,
         Sys::Over<Dual<f64>>: Inputs<N, K>,
     {
-        let mut over = system.over(Dual::constant);
-        let fixed = at.map(Dual::constant);
-        let columns: Vec<SVector<f64, P>> = (0..2 * N + K)
-            .map(|j| {
-                let (mut at, mut inputs) = (fixed, over.inputs());
-                let varied = if j < N {
-                    &mut at.q[j]
-                } else if j < 2 * N {
-                    &mut at.qd[j - N]
-                } else {
-                    &mut inputs[j - 2 * N]
-                };
-                varied.slope = 1.0;
+        let (n, here) = (self.states.len(), system.over(Dual::constant).inputs());
+        // Outputs and their derivatives along a state or an input, at a distance along it.
+        let along = |j: usize, far: f64| {
+            let moved = Dual { value: far, slope: 1.0 };
+            let (mut at, mut over) = (at.map(Dual::constant), system.over(Dual::constant));
+            if j < n {
+                for i in 0..N {
+                    at.q[i] += Dual::constant(self.basis[(i, j)]) * moved;
+                    at.qd[i] += Dual::constant(self.basis[(N + i, j)]) * moved;
+                }
+            } else {
+                let mut inputs = here;
+                inputs[j - n] += moved;
                 over.set_inputs(&inputs);
-                let slopes = outputs(&over, &at).map(|y| y.slope).into();
-                over.set_inputs(&inputs.map(|u| Dual::constant(u.value)));
-                slopes
-            })
-            .collect();
-        let c = DMatrix::from_fn(P, 2 * N, |i, j| columns[j][i]) * &self.basis;
-        let d = DMatrix::from_fn(P, K, |i, k| columns[2 * N + k][i]);
-        StateSpace { c, d, ..self }
+            }
+            outputs(&over, &at)
+        };
+        let size = |j: usize| match self.states.get(j) {
+            Some(&i) if i < N => at.q[i],
+            Some(&i) => at.qd[i - N],
+            None => here[j - n].value,
+        };
+        for j in 0..n + K {
+            let h = BESIDE * (1.0 + size(j).abs());
+            for output in 0..P {
+                let beside = |far: f64| {
+                    let y = along(j, far * h)[output];
+                    [y.value, y.slope].map(|y| DMatrix::from_element(1, 1, y))
+                };
+                if jumps(beside) {
+                    return Err(AnalysisError::SwitchedOutput { output });
+                }
+            }
+        }
+        let slopes: Vec<[f64; P]> = (0..n + K).map(|j| along(j, 0.0).map(|y| y.slope)).collect();
+        let c = DMatrix::from_fn(P, n, |i, j| slopes[j][i]);
+        let d = DMatrix::from_fn(P, K, |i, k| slopes[n + k][i]);
+        Ok(StateSpace { c, d, ..self })
     }
 
     /// The model from one sampling instant of a digital controller to the next, with a zero-order hold of the inputs:
@@ -181,12 +212,14 @@ impl StateSpace {
     /// long decayed cost slow ones no digits.
     ///
     /// # Hypotheses
+    /// - A and B are constant, see [`StateSpace::time_dependent`].
     /// - 32 digits resolve the motion over the period, by a bound of the rounding errors: oscillations that decay
     ///   slowly may turn by 1e11 rad.
     ///
     /// # Errors
-    /// [`AnalysisError::NotApplicable`] unless the period is positive and finite, and where the hypothesis does not
-    /// hold; [`AnalysisError::NotFinite`] where an entry overflows, as of an unstable system over a long period.
+    /// [`AnalysisError::TimeDependent`]; [`AnalysisError::NotApplicable`] unless the period is positive and finite, and
+    /// where the last hypothesis does not hold; [`AnalysisError::NotFinite`] where an entry overflows, as of an
+    /// unstable system over a long period.
     ///
     /// ```
     /// use lagrange_runtime::analysis::StateSpace;
@@ -210,6 +243,9 @@ impl StateSpace {
     pub fn sampled(self, period: f64) -> Result<Self, AnalysisError> {
         if !(period > 0.0 && period.is_finite()) {
             return Err(AnalysisError::NotApplicable { needs: "a positive and finite period" });
+        }
+        if self.time_dependent {
+            return Err(AnalysisError::TimeDependent);
         }
         let [a, b] = exponential::held(&self.a, &self.b, period)?;
         Ok(StateSpace { a, b, ..self })

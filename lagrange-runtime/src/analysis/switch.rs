@@ -1,9 +1,9 @@
 //! States at which the equations of motion have no linearization: switches of the forces.
 
-use super::AnalysisError;
+use super::{AnalysisError, kink};
 use crate::scalar::{Real, Scalar};
 use crate::state::State;
-use crate::system::{Linearize, System};
+use crate::system::{Lagrangian, Linearize, System};
 use nalgebra::{DMatrix, DVector, SVector};
 
 /// Most switches at one state whose sides are compared, 2ᵏ of them.
@@ -41,10 +41,25 @@ where
     [DMatrix::from_fn(N, 1, |i, _| rest[i].to_f64()), m, c, k]
 }
 
+/// Refuses a state on a switch or a kink of the forces. `uncertainty` is that of the coordinates, relative to
+/// `1 + |q|`.
+pub(super) fn smooth<Sys: Lagrangian<N>, const N: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+    uncertainty: f64,
+    equations: impl Fn(&Sys, &State<Sys::Scalar, N>) -> Equations,
+) -> Result<(), AnalysisError>
+where
+    Sys::Scalar: Real,
+{
+    off_switches(system, at, uncertainty, &equations)?;
+    kink::smooth(system, at, uncertainty, equations)
+}
+
 /// Refuses a state on a switch, unless forces and their derivatives have the same limits from all of its sides, as
 /// quadratic drag `−c |v| v` has at rest. The limits are compared by how differences of the sides shrink with the
-/// distance from the state. `uncertainty` is that of the coordinates, relative to `1 + |q|`.
-pub(super) fn smooth<Sys: System<N>, const N: usize>(
+/// distance from the state.
+fn off_switches<Sys: System<N>, const N: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
     uncertainty: f64,
@@ -59,7 +74,7 @@ where
     let still = at.q.map(|_| Sys::Scalar::from_f64(0.0));
     let gradients = gradients(system, at);
     let size = |i: usize| 1.0 + if i < N { at.q[i] } else { at.qd[i - N] }.to_f64().abs();
-    let rounding = 64.0 * f64::EPSILON + uncertainty;
+    let rounding = kink::BESIDE + uncertainty;
     let met: Vec<usize> = rates(system, at, &still)
         .iter()
         .enumerate()

@@ -47,7 +47,7 @@ fn a_moving_linkage_with_a_motor() {
     let by_torque = bars.input_jacobian(&at.q, &at.qd, at.t)[(model.states[0], 0)];
     assert_eq!((model.b[(0, 0)], model.b[(1, 0)]), (0.0, by_torque));
     // Outputs along the admitted deviation.
-    let model = model.observed(&bars, &at, |bars, s| bars.rocker(&s.q, &s.qd, s.t).into());
+    let model = model.observed(&bars, &at, |bars, s| bars.rocker(&s.q, &s.qd, s.t).into()).unwrap();
     let along = model.basis.column(0);
     let chi = at.q[2];
     assert!((model.c[(0, 0)] + 0.25 * chi.sin() * along[2]).abs() < 1e-15);
