@@ -23,7 +23,7 @@ struct Found {
     unlike: Vec<String>,
 }
 
-/// What is left of `(λ²M + λC + K) x`, in parts of its terms and of what the bound of the error makes of them.
+/// The rest of `(λ²M + λC + K) x`, in parts of its terms and of what the bound of the error makes of them.
 fn residual(System { m, c, k }: &System, spectrum: &Spectrum, i: usize) -> f64 {
     let (root, error, x) = (spectrum.eigenvalues[i], spectrum.errors[i].norm(), &spectrum.shapes[i]);
     let unit = |j: usize| m[(j, j)].sqrt();

@@ -100,7 +100,7 @@ fn conditions_may_have_names() {
     }
 }
 
-/// Of `clamp`, at both bounds, between them, and where its argument has no value.
+/// `clamp` at both bounds, between them, and where its argument has no value.
 #[test]
 fn clamp_is_that_of_rust() {
     let e = solved(input(

@@ -340,7 +340,7 @@ fn kind_of(at: &impl ToTokens, help: &str, word: &str, errors: &mut Errors) -> K
         _ => format!("a type has no place here: every number is of the system's own type\nhelp: {help}"),
     };
     errors.push(at, message);
-    // What follows is read as it is meant.
+    // The rest is read as if the kind were spelled rightly.
     let meant = meant.filter(|_| word == "coord");
     KINDS.into_iter().find(|(kind, _)| Some(*kind) == meant).map_or(Kind::Plain, |(_, kind)| kind)
 }

@@ -74,7 +74,7 @@ pub(super) fn held<Sys: Lagrangian<N, Scalar = f64>, const N: usize>(
         let (constraint, left) = (all[shortest].of.name, length(shortest));
         return Err(AnalysisError::DependentConstraints { constraint, left });
     }
-    // Where the rank is known by numbers alone, it is that beside the state, on the constraints.
+    // A rank that numbers alone tell is that beside the state, on the constraints.
     if Sys::FACTS.redundancy.is_some_and(|redundancy| redundancy.rank.is_none()) {
         let beside = Held::all(system, &admitted(system, &away(at, FAR, 1.0)))?;
         let usual = TangentSpace::new(&beside, &units, &[ACTS; N]).map_or(0, |space| space.rows.len());

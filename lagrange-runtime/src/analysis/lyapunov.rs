@@ -99,8 +99,8 @@ pub fn lyapunov_spectrum<Flow: TangentFlow<N>, const N: usize>(
     let integrals = N - Flow::FIRST_ORDER..N;
     let many = Flow::DEVIATIONS.min(basis.ncols());
     let carried = |some: DMatrix<f64>| some.resize_horizontally(Flow::DEVIATIONS, 0.0);
-    // Where there are fewer than all, they are in no special directions: these may belong to a block of coordinates, in
-    // which deviations stay.
+    // Fewer deviations than all are in no special directions: these may belong to a block of coordinates, in which
+    // deviations stay.
     let mixed = DMatrix::from_fn(basis.ncols(), basis.ncols(), |i, j| {
         (1.618 * (i + 1) as f64 * (j + 1) as f64).sin() + f64::from(u8::from(i == j))
     });

@@ -324,7 +324,7 @@ impl Quadratic {
                 Multiple::unite(&mut roots, j, k);
             }
         }
-        // Where an iteration ended early, a root has no conjugate: it is one with the nearest.
+        // A root of an iteration that ended early has no conjugate: it is one with the nearest.
         while let Some(k) =
             (0..roots.len()).find(|&k| !roots[k].is_real() && roots[k].conjugate(&roots).is_none())
         {

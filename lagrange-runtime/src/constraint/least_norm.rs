@@ -48,7 +48,7 @@ pub fn least_norm<S: Scalar, const N: usize, const M: usize>(
     let mut q = [constant::<S, N>(S::zero()); M];
     let mut r = [constant::<S, M>(S::zero()); M];
     for k in 0..most {
-        // What is left of a gradient that does not follow from others.
+        // The part of a gradient that does not follow from others.
         let left = |j: usize| {
             let size = dot(&columns[j], &columns[j]);
             S::select(Comparison::LessEqual, size * per_size[j], brink(k), S::zero(), size)

@@ -53,9 +53,8 @@ pub use quantile::QuantileEstimate;
 /// [`Random`](super::Random), or a [`Table`](super::Table) of such, and no Sobol points.
 ///
 /// The mean, or quantile, is that over samples that the full model can run, with a finite output; others are counted.
-/// Where one of the models has an output and the other has none, the cheap one says nothing of that mean: there is no
-/// gain if the pilot meets such a sample, and if one comes later the estimate is made of the full model's samples
-/// alone.
+/// The cheap model says nothing of that mean where one model has an output and the other has none: there is no gain if
+/// the pilot meets such a sample, and if one comes later the estimate is made of the full model's samples alone.
 ///
 /// Differences of the models that are rarer than one in the samples of the full model are not seen, and an interval
 /// does not know of them.
@@ -327,7 +326,7 @@ struct Paired {
 }
 
 impl Paired {
-    /// Does one model alone have an output?
+    /// Returns whether one model alone has an output.
     fn is_unlike(&self) -> bool {
         let [full, cheap] = self.outputs.map(f64::is_finite);
         matches!(self.kind, Kind::Pilot | Kind::Pair) && full != cheap
@@ -642,8 +641,8 @@ impl ToGoal<'_> {
         is_met: &dyn Fn() -> bool,
     ) -> Result<Option<u64>, EnsembleError> {
         let (predicted, is_last) = self.first_look(pilot)?;
-        // Where the prediction is by a density that few samples tell, it may be far too large. (Intervals that are
-        // looked at often cover less than they say.)
+        // A prediction by a density that few samples tell may be far too large. (Intervals that are looked at often
+        // cover less than they say.)
         let ratio = pilot.gain.map_or(1.0, |gain| gain.ratio);
         let early = (4.0 * self.pilot as f64 * ratio).ceil() as u64;
         let mut look = if self.looks_early && predicted / 16 > early { early } else { predicted };

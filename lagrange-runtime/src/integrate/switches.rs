@@ -203,7 +203,7 @@ where
     }
     let accel = |at: &State<Sys::Scalar, N>| system.accel(&at.q, &at.qd, at.t);
     let before = accel(&from);
-    // Where forces have a kink, slopes of the accelerations jump, and each slope has the tolerance of its own size.
+    // Slopes of the accelerations jump at a kink of the forces, and each slope has the tolerance of its own size.
     let effect = |after: SVector<Sys::Scalar, N>| {
         let jump = (after - before) * step.size();
         let by = Tangent { q: jump * step.size(), qd: jump };

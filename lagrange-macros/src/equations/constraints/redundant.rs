@@ -73,7 +73,7 @@ pub fn examined(
             || rest().iter().any(|rate| rate.abs() > 1e-12));
     let mut places: Vec<(Place, usize)> = Vec::new();
     for trial in 0..MORE_STARTS {
-        // Where constraints seem to follow from others, other assemblies are looked for: both bars of a stage of a lift
+        // Other assemblies are looked for once constraints seem to follow from others: both bars of a stage of a lift
         // may lie on each other, and then fewer conditions are independent than in the lift.
         let independent = places.iter().all(|(_, rank)| *rank == m);
         if independent && (places.len() >= PLACES || trial >= starts) {
@@ -89,7 +89,7 @@ pub fn examined(
     if !driven {
         keep_movable(&mut places);
     }
-    // Of assemblies with different ranks that with fewest freedoms is meant: in others parts lie on each other.
+    // The assembly with fewest freedoms is meant: in those of other ranks parts lie on each other.
     let ranks = places.iter().map(|(_, rank)| *rank);
     let (least, most) = (ranks.clone().min(), ranks.max());
     let rank = match most {
