@@ -351,8 +351,9 @@
 /// A quotient of two integer literals, which Rust rounds, is refused, and so is a quotient of integers with a remainder
 /// outside of an index. Numbers are exact before they are rounded: zero has no sign, and `0 * x` is 0, also where x is
 /// infinite. Formulas are simplified where they have a value, and may have one elsewhere: `x / x` is 1, also at 0, and
-/// `sqrt(x).powi(2)` is x, also below 0. `min` and `max` may pass on a NaN, which Rust's drop. `clamp` passes on that of
-/// its number; a bound that is NaN is none, and of bounds in the wrong order the upper one counts, where Rust's panics.
+/// `sqrt(x).powi(2)` is x, also below 0. `min` and `max` may pass on a NaN, which Rust's drop. `clamp` passes on that
+/// of its number; a bound that is NaN is none, and of bounds in the wrong order the upper one counts, where Rust's
+/// panics.
 ///
 /// # Names
 ///

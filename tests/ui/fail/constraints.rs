@@ -192,6 +192,48 @@ pub mod constraint_that_always_holds {
     }
 }
 
+// A constraint with a sign that no state satisfies.
+pub mod constraint_that_holds_nowhere {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Pendulum {
+            param m, g = 9.81;
+            coord x, y;
+            T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2));
+            V = m * g * y;
+            constraint rod: x * x + y * y == -1;
+        }
+    }
+
+    pub fn main() {
+        let system = Pendulum::new(1.0);
+        let start = consistent(&system, &State::new(0.0, [0.1, 0.1], [0.0, 0.0]));
+        println!("{:?} {}", start, system.multipliers(&SVector::zeros(), &SVector::zeros(), 0.0));
+    }
+}
+
+// Two equations under one name.
+pub mod two_equations_in_a_constraint {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Pendulum {
+            param m, g = 9.81;
+            coord x, y;
+            T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2));
+            V = m * g * y;
+            constraint rod: x == 1 && y == 0;
+        }
+    }
+
+    pub fn main() {
+        let system = Pendulum::new(1.0);
+        let start = consistent(&system, &State::new(0.0, [0.1, 0.1], [0.0, 0.0]));
+        println!("{:?} {}", start, system.multipliers(&SVector::zeros(), &SVector::zeros(), 0.0));
+    }
+}
+
 // The name of a constraint in an output.
 pub mod constraint_used_as_a_number {
     use lagrange_runtime::prelude::*;

@@ -341,6 +341,28 @@ pub mod wrong_number_of_arguments {
     }
 }
 
+// Bounds in the wrong order, and before the number.
+pub mod bounds_of_clamp {
+    use lagrange_runtime::prelude::*;
+    use lagrange_runtime::SVector;
+
+    lagrangian! {
+        pub system Oscillator {
+            param m, k;
+            coord x;
+            T = 0.5 * m * dot(x).powi(2);
+            V = 0;
+            Q[x] = (k * x).clamp(1, -1) + clamp(-1, 1, k * x);
+        }
+    }
+
+    pub fn main() {
+        let system = Oscillator::new(1.0, 0.5);
+        let (q, qd) = (SVector::from([0.1]), SVector::from([0.0]));
+        println!("{} {}", system.accel(&q, &qd, 0.0), system.energy(&q, &qd, 0.0));
+    }
+}
+
 // An integer power with an exponent that is no integer.
 pub mod variable_exponent {
     use lagrange_runtime::prelude::*;
