@@ -42,7 +42,7 @@ macro_rules! systems {
     )*};
 }
 
-/// What has no value has none between bounds, over all numbers; the slope at the upper bound is that below it.
+/// A number without a value has none between bounds, over all scalars; the slope at the upper bound is that below it.
 #[test]
 fn clamp_keeps_what_is_not_a_number() {
     lagrangian! {
