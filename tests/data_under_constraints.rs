@@ -1,6 +1,8 @@
 //! Functions with data under constraints, and beside rotations and directions: systems with a cubic as a table against
 //! the same with its formula, and a bead against its closed form.
 
+use lagrange_runtime::ensemble::{Collect, Ensemble, Table};
+use lagrange_runtime::lanes::{FinalState, Fused};
 use lagrange_runtime::prelude::*;
 
 /// A system with `h` as a table, and with its formula.
@@ -144,4 +146,27 @@ fn measured_loads_on_rotations_and_directions() {
     let place = Vector3::new(0.5, -0.4, 0.3).normalize();
     let start = Pointer::new(table()).with_direction_n(still, &place, &Vector3::new(0.2, 0.7, -0.1));
     assert_both_move_alike!(Pointer PointerByFormula start);
+}
+
+/// Samples side by side stay on curves of their own.
+#[test]
+fn beads_in_lanes_have_curves_of_their_own() {
+    let bead = |[number]: [u64; 1]| {
+        let knots: [f64; 7] = std::array::from_fn(|k| k as f64 - 3.0);
+        let steep = 0.2 + 0.1 * number as f64;
+        let curve = Curve::cubic(&knots, &knots.map(|s| steep * s * s), Beyond::Refused).unwrap();
+        (Bead::new(curve), State::new(0.0, [1.0, steep], [0.0, 0.0]))
+    };
+    let samples = Table::new((0..11).map(|number: u64| [number]));
+    let study = Ensemble::new(samples, 11, bead).integrate(Dop853, PiController::tolerance(1e-9), 2.0);
+    let end = FinalState(|_: &Bead, end: &State<f64, 2>| end.q);
+    let outcome = study.in_lanes(Fused).observe(&end, Collect).unwrap();
+    assert_eq!((outcome.failures.count, outcome.statistic.rows.len()), (0, 11));
+    for (index, found) in outcome.statistic.rows {
+        let (bead, start) = bead([index]);
+        let alone = integrate(&bead, Dop853, PiController::tolerance(1e-11), start).until(2.0);
+        assert!((found - alone.final_state().unwrap().q).amax() < 1e-7, "{index}");
+        let steep = 0.2 + 0.1 * index as f64;
+        assert!((found[1] - steep * found[0] * found[0]).abs() < 1e-12, "{index}");
+    }
 }
