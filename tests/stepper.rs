@@ -540,7 +540,7 @@ fn periods_and_controllers_that_are_none() {
     let start = State { t: f64::NAN, ..SWUNG };
     assert!(matches!(
         Stepper::new(MOTORS, Rk4, FixedStep::new(0.1), start).step(),
-        Err(Failure::NonFinite { .. })
+        Err(Failure::StateNotFinite { .. })
     ));
 }
 
@@ -552,7 +552,7 @@ fn states_off_the_constraints_are_refused() {
     let at = *stepper.state();
     let off = State { q: SVector::from([0.6, -0.9]), ..at };
     assert!(matches!(stepper.set_state(off), Err(Failure::ConstraintViolated { constraint: "rod", .. })));
-    assert!(matches!(stepper.set_state(State { t: f64::NAN, ..at }), Err(Failure::NonFinite { .. })));
+    assert!(matches!(stepper.set_state(State { t: f64::NAN, ..at }), Err(Failure::StateNotFinite { .. })));
     assert_eq!(*stepper.state(), at);
     stepper.advance_to(2.0).unwrap();
     let run = integrate(&Rod::new(1.0), Dop853, PiController::tolerance(1e-9), start)

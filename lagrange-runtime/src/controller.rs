@@ -116,7 +116,7 @@ pub struct NoEstimate;
 /// An estimate of the local error of a step.
 #[diagnostic::on_unimplemented(
     message = "an adaptive step size needs an error estimate, which this method does not give",
-    note = "use `FixedStep::new(h)`, or a method with an error estimate, such as `Dop853` or `DormandPrince5`"
+    note = "use `FixedStep::new(h)`, or a method with an error estimate, such as `Dop853` or `DormandPrince5`; `Taylor` has a controller of its own, `TaylorController::tolerance(…)`"
 )]
 pub trait ErrorEstimate<S: Scalar, const N: usize> {
     /// The square of the size of the error, in the norm whose square is given. (Roots are not needed to control

@@ -1,7 +1,7 @@
 //! Causes of failures, as far as the inertia matrix of a system tells them.
 
 use crate::failed::Failed;
-use crate::failure::{Coordinate, Failure};
+use crate::failure::{Coordinate, Failure, Part};
 use crate::linear::{Ldlt, Singular, factored, ldlt, lu_solve};
 use crate::scalar::{Functions, Real, Scalar, SimdScalar};
 use crate::state::State;
@@ -118,6 +118,9 @@ pub fn explained<Sys: Lagrangian<N>, const N: usize>(
 where
     Sys::Scalar: Real,
 {
+    if let Failure::StateNotFinite { t, part } = failure {
+        return Failure::StateNotFinite { t, part: named::<Sys, N>(part) };
+    }
     let at_start = last.t == start.t;
     let unexplained = match failure {
         Failure::NonFinite { .. } | Failure::StepSizeUnderflow { .. } => true,
@@ -128,11 +131,38 @@ where
     if !unexplained || !last.is_finite() || size_of::<SMatrix<Sys::Scalar, N, N>>() > MAX_MATRIX_BYTES {
         return failure;
     }
+    if let (Failure::NonFinite { .. }, Some(coordinate)) = (failure, without_equation(system, last)) {
+        return Failure::StateNotFinite { t: last.t, part: Part::Equation(coordinate) };
+    }
     if let cause @ Failure::SingularInertia { .. } = why_not_finite(system, last, Sys::Scalar::zero()) {
         return cause;
     }
     let compared = if at_start { beside(last, 1.0) } else { *start };
     vanished(system, last, &compared, BRINK).unwrap_or(failure)
+}
+
+/// The same with the name of its coordinate.
+fn named<Sys: Lagrangian<N>, const N: usize>(part: Part) -> Part {
+    let of = |coordinate: Coordinate| Coordinate::of::<Sys, N>(coordinate.index);
+    match part {
+        Part::Time => Part::Time,
+        Part::Coordinate(coordinate) => Part::Coordinate(of(coordinate)),
+        Part::Velocity(coordinate) => Part::Velocity(of(coordinate)),
+        Part::Equation(coordinate) => Part::Equation(of(coordinate)),
+    }
+}
+
+/// The first coordinate whose row of `M q̈ = f − b` is not finite at a state that is.
+fn without_equation<Sys: Lagrangian<N>, const N: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+) -> Option<Coordinate> {
+    let (q, qd, t) = (&at.q, &at.qd, at.t);
+    let right = system.momentum_rate(q, qd, t) - system.convective_momentum_rate(q, qd, t);
+    let inertia = system.inertia(q, qd, t);
+    let zero = Sys::Scalar::zero();
+    let is_finite = |i: usize| right[i] * zero == zero && (0..N).all(|j| inertia[(i, j)] * zero == zero);
+    (0..N).find(|&i| !is_finite(i)).map(Coordinate::of::<Sys, N>)
 }
 
 /// The part of the inertia of a coordinate, or of the square of a constraint's gradient, at which it counts as

@@ -81,6 +81,21 @@ impl fmt::Display for Cause {
     }
 }
 
+/// What is infinite or not a number about a state that is given.
+#[non_exhaustive]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub enum Part {
+    /// Its time.
+    Time,
+    /// A coordinate.
+    Coordinate(Coordinate),
+    /// The velocity of a coordinate, or a state of first order.
+    Velocity(Coordinate),
+    /// The equation of a coordinate at the state, which is finite itself.
+    Equation(Coordinate),
+}
+
 /// Property of a system that a computation needs and that no type shows.
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -133,8 +148,16 @@ pub enum Failure<S = f64> {
     NonFinite {
         /// Time.
         t: S,
-        /// Step size; 0 where it is the start that is not finite.
+        /// Step size; 0 where accelerations are not finite at the state itself.
         h: S,
+    },
+    /// The state from which a run or a step sets out is infinite or not a number, or an equation of motion is there, as
+    /// by a parameter that is not a number.
+    StateNotFinite {
+        /// Time.
+        t: S,
+        /// What is not finite.
+        part: Part,
     },
     /// An integrand of [`Run::integrals`](crate::integrate::Run::integrals) is not finite in a step, or changes so
     /// fast that no quadrature converges.
@@ -396,7 +419,7 @@ impl<S> Failure<S> {
     /// Its name, by which the guide's chapter on failures explains it: `"StepSizeUnderflow"`.
     pub fn name(&self) -> &'static str {
         variant! { self => Failure:
-            StepSizeUnderflow, NonFinite, Quadrature, SingularInertia, Cancellation, NotConverged, SingularStep, InvariantLost, ConstraintViolated, ConstraintDrift, DependentConstraints, Bifurcation, OutsideModel, BudgetUsedUp, Sliding, NoDerivative, NotDifferentiable, Unsuitable, BadTolerance, BadStepSize, WrongDirection, TimeGoesBack, BadPeriod, InputNotFinite, BadEnd, SampleOrder, SampleBeyondEnd, EventNotFinite, EventNotBracketed, EventsAccumulate, EventsUnresolved,
+            StepSizeUnderflow, NonFinite, StateNotFinite, Quadrature, SingularInertia, Cancellation, NotConverged, SingularStep, InvariantLost, ConstraintViolated, ConstraintDrift, DependentConstraints, Bifurcation, OutsideModel, BudgetUsedUp, Sliding, NoDerivative, NotDifferentiable, Unsuitable, BadTolerance, BadStepSize, WrongDirection, TimeGoesBack, BadPeriod, InputNotFinite, BadEnd, SampleOrder, SampleBeyondEnd, EventNotFinite, EventNotBracketed, EventsAccumulate, EventsUnresolved,
         }
     }
 }
@@ -417,6 +440,12 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                  singular or discontinuous there, or the tolerance is below rounding (where the absolute one is 0, a coordinate or \
                  velocity that is 0 has none), or so coarse that the run left the solution; try to end the run before it, a larger tolerance, or a smaller one if it is coarse"
             ),
+            Failure::StepSizeUnderflow { t, h, cause: Some(cause @ Cause::NonFinite) } => write!(
+                f,
+                "at t = {t:?} the step size fell to {h:?}, and a step still {cause}: the solution is singular there, a root or a logarithm \
+                 leaves its domain, an argument leaves its table with `Beyond::Refused`, or the tolerance is so coarse that the run left the \
+                 solution; try to end the run before it, or a smaller tolerance if it is coarse"
+            ),
             Failure::StepSizeUnderflow { t, h, cause: Some(cause) } => write!(
                 f,
                 "at t = {t:?} the step size fell to {h:?}, and a step still {cause}: the solution is singular or \
@@ -426,8 +455,26 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
             Failure::NonFinite { t, h } => write!(
                 f,
                 "the step of size {h:?} from t = {t:?} met a state or acceleration that is not finite: it is too long, \
-                 or the equations are singular there (of size 0: the given state is not finite, or has no finite \
-                 acceleration, as a parameter is not finite, or 0 where it divides); try a smaller step or an adaptive controller"
+                 or the equations are singular there (of size 0: the state has no finite acceleration, as a parameter is not \
+                 finite, or 0 where it divides); try a smaller step or an adaptive controller"
+            ),
+            Failure::StateNotFinite { part: Part::Time, .. } => {
+                f.write_str("the time of a state is infinite or not a number; give a finite one")
+            }
+            Failure::StateNotFinite { t, part: Part::Coordinate(coordinate) } => write!(
+                f,
+                "at t = {t:?} coordinate {coordinate} of the state is infinite or not a number; give a finite one"
+            ),
+            Failure::StateNotFinite { t, part: Part::Velocity(coordinate) } => write!(
+                f,
+                "at t = {t:?} the velocity of coordinate {coordinate} (of a state of first order: its value) is infinite or not a number; \
+                 give a finite one"
+            ),
+            Failure::StateNotFinite { t, part: Part::Equation(coordinate) } => write!(
+                f,
+                "at t = {t:?} the equation of coordinate {coordinate} is infinite or not a number, though the state is finite: a \
+                 parameter is not finite, or 0 where it divides, or an argument is outside the domain of its function or table; \
+                 give other parameters (the `{{:?}}` of the system shows them), or another state"
             ),
             Failure::Quadrature { t, h } => write!(
                 f,
@@ -565,7 +612,7 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                 "at t = {t:?} the input `{input}` was set to a number that is not finite; look for a division by zero in its controller"
             ),
             Failure::BadEnd { end: Some(end) } => {
-                write!(f, "the end of a run must be finite, but it is {end:?}; give a time to `until`")
+                write!(f, "the time to go to must be finite, but it is {end:?}; give a finite one")
             }
             Failure::BadEnd { end: None } => write!(f, "this run has no end; give a time to `until`"),
             Failure::SampleOrder { t, previous } => write!(
@@ -616,6 +663,7 @@ impl<S> Failure<S> {
                 Failure::StepSizeUnderflow { t: f(t), h: f(h), cause }
             }
             Failure::NonFinite { t, h } => Failure::NonFinite { t: f(t), h: f(h) },
+            Failure::StateNotFinite { t, part } => Failure::StateNotFinite { t: f(t), part },
             Failure::Quadrature { t, h } => Failure::Quadrature { t: f(t), h: f(h) },
             Failure::SingularInertia { t, coordinate, with } => {
                 Failure::SingularInertia { t: f(t), coordinate, with }

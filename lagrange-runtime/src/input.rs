@@ -46,7 +46,7 @@ pub trait Inputs<const N: usize, const K: usize>: System<N> {
 /// Derivatives of the accelerations by the inputs.
 #[diagnostic::on_unimplemented(
     message = "the derivatives of the accelerations of `{Self}` by {K} inputs are not known",
-    note = "systems with `input` in `lagrangian! {{ … }}` have them"
+    note = "systems with `input` in `lagrangian! {{ … }}` have them; of a system without inputs `StateSpace::without_inputs` is the linear model"
 )]
 pub trait InputJacobian<const N: usize, const K: usize>: Inputs<N, K> {
     /// `∂q̈/∂u`, `N × K`, each column belonging to one input.

@@ -120,6 +120,10 @@ pub(crate) use across::steps_across;
 /// # let start = State::new(0.0, [1.0], [0.0]);
 /// let run = integrate(&Oscillator, Verlet, FixedStep::new(0.1), start);
 /// ```
+#[diagnostic::on_unimplemented(
+    message = "`{Self}` is not a method for `{Sys}`",
+    note = "coefficients such as `KahanLi8` make a method of a symmetric one: `Compose(Verlet, KahanLi8)`"
+)]
 pub trait Method<Sys: System<N>, const N: usize>: Sized {
     /// Memory that one step hands to the next.
     type MethodState: Clone + fmt::Debug;

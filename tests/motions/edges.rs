@@ -105,6 +105,7 @@ fn tells(failure: &Failure) -> bool {
     matches!(
         failure,
         Failure::NonFinite { .. }
+            | Failure::StateNotFinite { .. }
             | Failure::SingularInertia { .. }
             | Failure::SingularStep { .. }
             | Failure::StepSizeUnderflow { .. }

@@ -371,7 +371,12 @@ fn every_text_ends_in_a_hint() {
     let all: &[Failure] = &[
         Failure::StepSizeUnderflow { t: 0.0, h: 0.0, cause: None },
         Failure::StepSizeUnderflow { t: 0.0, h: 0.0, cause: Some(Cause::InvariantLost) },
+        Failure::StepSizeUnderflow { t: 0.0, h: 0.0, cause: Some(Cause::NonFinite) },
         Failure::NonFinite { t: 0.0, h: 0.0 },
+        Failure::StateNotFinite { t: 0.0, part: Part::Time },
+        Failure::StateNotFinite { t: 0.0, part: Part::Coordinate(coordinate(1, "x")) },
+        Failure::StateNotFinite { t: 0.0, part: Part::Velocity(coordinate(1, "")) },
+        Failure::StateNotFinite { t: 0.0, part: Part::Equation(coordinate(1, "x")) },
         Failure::SingularInertia { t: 0.0, coordinate: coordinate(1, ""), with: None },
         Failure::SingularInertia {
             t: 0.0,

@@ -8,11 +8,12 @@ use crate::attitude::steps::may_change;
 use crate::constraint::NEARLY_DEPENDENT;
 use crate::controller::{Controller, FirstStep, Verdict};
 use crate::failed::{Failed, Statistics};
-use crate::failure::Failure;
+use crate::failure::{Coordinate, Failure, Part};
 use crate::method::{Across, Interpolant, Method, Step};
 use crate::scalar::{Real, Scalar, SimdScalar};
 use crate::state::{Restored, State, Tangent};
 use crate::system::System;
+use nalgebra::SVector;
 
 mod across;
 
@@ -760,6 +761,20 @@ where
     (Some(started.map(|memory| (shorter, memory))), evaluations)
 }
 
+/// What is not finite about a state. (Names of coordinates are found by [`System::explained`].)
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn not_finite<S: Real, const N: usize>(state: &State<S, N>) -> Option<Part> {
+    let worst = |x: &SVector<S, N>| (0..N).find(|&i| x[i] * S::zero() != S::zero());
+    let at = |index: usize| Coordinate { index, name: "" };
+    match state.t.to_f64().is_finite() {
+        true if state.is_finite() => None,
+        true => worst(&state.q)
+            .map(|i| Part::Coordinate(at(i)))
+            .or_else(|| worst(&state.qd).map(|i| Part::Velocity(at(i)))),
+        false => Some(Part::Time),
+    }
+}
+
 /// A state with which a motion can begin, on the constraints of the system to rounding.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub fn admitted<Sys: System<N>, const N: usize>(
@@ -770,8 +785,8 @@ where
     Sys::Scalar: Real,
 {
     let t = state.t;
-    if !(state.is_finite() && t.to_f64().is_finite()) {
-        return Err(Failure::NonFinite { t, h: Sys::Scalar::zero() });
+    if let Some(part) = not_finite(state) {
+        return Err(Failure::StateNotFinite { t, part });
     }
     match system.restored(state)? {
         Some(Restored { constraint, violation, .. }) if violation > CONSISTENT => {

@@ -171,7 +171,8 @@ where
     }
 
     /// Fails a call with [`Failure::BudgetUsedUp`] when `max_steps` steps, accepted or not, did not suffice for it;
-    /// the next call goes on. The default is 1 000 000 for adaptive steps and no limit for fixed ones.
+    /// the next call goes on. The default is no limit for fixed steps, and 1 000 000 for adaptive ones, counted anew
+    /// from each sampling instant of [`every`](Self::every).
     pub fn max_steps(self, max_steps: u64) -> Self {
         Stepper { max_steps: Some(max_steps), ..self }
     }
@@ -188,7 +189,7 @@ where
     /// second time.
     ///
     /// # Errors
-    /// [`Failure::NonFinite`], or [`Failure::ConstraintViolated`] if the state is not on the constraints of the
+    /// [`Failure::StateNotFinite`], or [`Failure::ConstraintViolated`] if the state is not on the constraints of the
     /// system, but for rounding (see [`consistent`](crate::consistent)). The stepper is where it was then.
     pub fn set_state(&mut self, state: State<Sys::Scalar, N>) -> Result<(), Failure<Sys::Scalar>> {
         // (Where constraints are dependent, a projection leads anywhere: a run begins on a branch there.)
@@ -196,7 +197,8 @@ where
         let begun = if Sys::CONSTRAINTS > 0 && is_finite { self.system.begun_across(&state) } else { None };
         let state = match begun.and_then(|begun| begun.state) {
             Some(state) => state,
-            None => admitted(&self.system, &state)?,
+            None => admitted(&self.system, &state)
+                .map_err(|failure| self.system.explained(&state, &state, failure))?,
         };
         if !coincide(state.t, self.engine.state.t) {
             self.control.seek(state.t);
@@ -421,6 +423,10 @@ where
     fn act(&mut self) -> Result<(), Failure<Sys::Scalar>> {
         let due = self.control.instant().is_some_and(|instant| reached(instant, self.engine.state.t));
         if due {
+            // A million samples are no sign of stiffness.
+            if self.engine.max_steps.is_none() {
+                self.engine.attempts = 0;
+            }
             let changed = self.control.act(&self.engine.state, &mut self.system);
             // (Of several controllers some may have acted before one failed.)
             self.driven(changed != Ok(false));

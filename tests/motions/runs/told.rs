@@ -1,5 +1,6 @@
 //! Texts of runs that fail, and impacts of mechanisms.
 
+use lagrange_runtime::failure::Part;
 use lagrange_runtime::prelude::*;
 
 lagrangian! {
@@ -71,23 +72,52 @@ fn points_rebound() {
 #[test]
 fn parameters_that_are_not_numbers() {
     let start = State::new(0.5, [0.0, 0.3], [0.0, 0.0]);
-    for cart in [Cart { rod: f64::NAN, ..Cart::default() }, Cart { g: f64::INFINITY, ..Cart::default() }] {
+    let rod = Cart { rod: f64::NAN, ..Cart::default() };
+    let g = Cart { g: f64::INFINITY, ..Cart::default() };
+    for (cart, coordinate) in [(rod, "x"), (g, "theta")] {
         macro_rules! refused {
             ($($method:expr, $controller:expr);*) => {$(
                 let failed = integrate(&cart, $method, $controller, start).until(2.0).final_state().unwrap_err();
-                assert!(
-                    matches!(failed.failure, Failure::NonFinite { t: 0.5, h: 0.0 }),
-                    "{}: {failed}", stringify!($method)
-                );
+                let Failure::StateNotFinite { t, part: Part::Equation(named) } = failed.failure else {
+                    panic!("{}: {failed}", stringify!($method));
+                };
+                assert_eq!((t, named.name), (0.5, coordinate), "{}: {failed}", stringify!($method));
             )*};
         }
         refused!(
             Dop853, PiController::tolerance(1e-9);
             DormandPrince5, PiController::tolerance(1e-9);
             Rodas5P, PiController::tolerance(1e-9);
-            Radau5, PiController::tolerance(1e-9)
+            Radau5, PiController::tolerance(1e-9);
+            Rk4, FixedStep::new(0.1)
         );
     }
+}
+
+/// A state that is not a number is told by its coordinate, also where it comes of another time.
+#[test]
+fn states_that_are_not_numbers() {
+    let cart = Cart::default();
+    let start = State::new(0.5, [0.0, 0.3], [0.0, 0.0]);
+    let told = |start: State<f64, 2>| {
+        let run = integrate(&cart, Dop853, PiController::tolerance(1e-9), start).until(2.0);
+        let failure = run.final_state().unwrap_err().failure;
+        let mut stepper = Stepper::new(cart, Dop853, PiController::tolerance(1e-9), cart_at_rest());
+        assert_eq!(format!("{:?}", stepper.set_state(start).unwrap_err()), format!("{failure:?}"));
+        failure.to_string()
+    };
+    let mut bad = start;
+    bad.q[1] = f64::NAN;
+    assert!(told(bad).starts_with("at t = 0.5 coordinate `theta` of the state is infinite or not a number"));
+    bad = start;
+    bad.qd[0] = f64::INFINITY;
+    assert!(told(bad).starts_with("at t = 0.5 the velocity of coordinate `x`"));
+    assert!(told(State { t: f64::NAN, ..start }).starts_with("the time of a state"));
+}
+
+/// A start of the cart.
+fn cart_at_rest() -> State<f64, 2> {
+    State::new(0.0, [0.0; 2], [0.0; 2])
 }
 
 /// `main` prints the debug form of an error that it returns.
@@ -103,4 +133,44 @@ fn errors_print_their_text() {
     );
     let returned: Box<dyn std::error::Error> = failed.into();
     assert_eq!(format!("{returned:?}"), format!("{failed:?}"));
+}
+
+lagrangian! {
+    system Carriage {
+        input force;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0;
+        Q[x] = force;
+    }
+}
+
+/// A million samples use no budget up: that of a call is the number that is given, and the default is for the time
+/// between two samples.
+#[test]
+fn samples_are_no_sign_of_stiffness() {
+    let start = State::new(0.0, [1.0], [0.0]);
+    let carriage = || {
+        Stepper::new(Carriage::default(), DormandPrince5, PiController::tolerance(1e-6), start)
+            .every(1e-3, |at: &State<f64, 1>, u| u[0] = -at.q[0])
+    };
+    let mut controlled = carriage();
+    controlled.advance_to(1100.0).unwrap();
+    assert!(controlled.statistics().accepted >= 1_100_000);
+    // From sample to sample q and q̇ go by the matrix (1 − T²/2, T; −T, 1), whose n-th power turns and grows.
+    let (period, n) = (1e-3f64, 1.1e6);
+    let trace: f64 = 2.0 - 0.5 * period * period;
+    let determinant = 1.0 + 0.5 * period * period;
+    let turn = (0.5 * trace / determinant.sqrt()).acos();
+    let (sin, cos) = (n * turn).sin_cos();
+    let own = (1.0 - 0.5 * period * period - 0.5 * trace) / determinant.sqrt() / turn.sin();
+    let exact = (0.5 * n * determinant.ln()).exp() * (cos + own * sin);
+    assert!((controlled.state().q[0] - exact).abs() < 1e-6, "{} {exact}", controlled.state().q[0]);
+    let mut limited = carriage().max_steps(500);
+    let failure = limited.advance_to(1.0).unwrap_err();
+    assert!(matches!(failure, Failure::BudgetUsedUp { max_steps: 500, .. }), "{failure}");
+    limited.advance_to(1.0).unwrap();
+    let mut asked = carriage();
+    assert_eq!(asked.advance_within(1.0, 999), Ok(lagrange_runtime::Advance::NotYet));
+    assert_eq!(asked.advance_within(1.0, 2), Ok(lagrange_runtime::Advance::Arrived));
 }
