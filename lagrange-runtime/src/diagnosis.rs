@@ -131,14 +131,19 @@ where
     if !unexplained || !last.is_finite() || size_of::<SMatrix<Sys::Scalar, N, N>>() > MAX_MATRIX_BYTES {
         return failure;
     }
-    if let (Failure::NonFinite { .. }, Some(coordinate)) = (failure, without_equation(system, last)) {
-        return Failure::StateNotFinite { t: last.t, part: Part::Equation(coordinate) };
-    }
     if let cause @ Failure::SingularInertia { .. } = why_not_finite(system, last, Sys::Scalar::zero()) {
         return cause;
     }
     let compared = if at_start { beside(last, 1.0) } else { *start };
-    vanished(system, last, &compared, BRINK).unwrap_or(failure)
+    if let Some(cause) = vanished(system, last, &compared, BRINK) {
+        return cause;
+    }
+    // (Of a motion that has grown beyond all numbers it is not the equations that are to blame.)
+    let is_given = matches!(failure, Failure::NonFinite { h, .. } if at_start || h == Scalar::zero());
+    match is_given.then(|| without_equation(system, last)).flatten() {
+        Some(coordinate) => Failure::StateNotFinite { t: last.t, part: Part::Equation(coordinate) },
+        None => failure,
+    }
 }
 
 /// The same with the name of its coordinate.

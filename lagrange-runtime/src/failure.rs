@@ -81,7 +81,7 @@ impl fmt::Display for Cause {
     }
 }
 
-/// What is infinite or not a number about a state that is given.
+/// The part of a given state that is infinite or not a number.
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
@@ -156,7 +156,7 @@ pub enum Failure<S = f64> {
     StateNotFinite {
         /// Time.
         t: S,
-        /// What is not finite.
+        /// The part that is not finite.
         part: Part,
     },
     /// An integrand of [`Run::integrals`](crate::integrate::Run::integrals) is not finite in a step, or changes so

@@ -323,7 +323,7 @@ pub mod prelude {
 struct Readme;
 
 /// The listings of the guide compile and run.
-#[cfg(all(doctest, feature = "analysis", feature = "chart", feature = "ensemble"))]
+#[cfg(all(doctest, feature = "analysis", feature = "chart", feature = "ensemble", feature = "serde"))]
 mod guide {
     macro_rules! chapters {
         ($($name:ident $file:literal)*) => {$(

@@ -60,7 +60,7 @@ where
             let mut there = *at;
             let moved = if i < N { &mut there.q[i] } else { &mut there.qd[i - N] };
             let h = far * (BESIDE + uncertainty) * (1.0 + moved.to_f64().abs());
-            *moved = *moved + Sys::Scalar::from_f64(h);
+            *moved += Sys::Scalar::from_f64(h);
             equations(system, &there)
         };
         if jumps(beside) {

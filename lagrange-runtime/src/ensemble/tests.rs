@@ -140,11 +140,11 @@ fn failed_samples_are_counted_kept_and_replayed() {
     assert_eq!(outcome.failures.count, bad.len() as u64);
     assert_eq!(outcome.failures.kept.iter().map(|failed| failed.index).collect::<Vec<_>>(), bad[..5]);
     for failed in &outcome.failures.kept {
-        assert!(matches!(failed.failure, Failure::NonFinite { .. }));
+        assert!(matches!(failed.failure, Failure::StateNotFinite { .. }));
         let again = study.replay(failed.index).expect("a sample");
         assert_eq!(again.start.q, failed.start.q);
         assert!(
-            matches!(again.run().final_state(), Err(error) if matches!(error.failure, Failure::NonFinite { .. }))
+            matches!(again.run().final_state(), Err(error) if matches!(error.failure, Failure::StateNotFinite { .. }))
         );
     }
     assert!(matches!(study.replay(N), Err(EnsembleError::NoSuchSample { index: N, samples: N })));

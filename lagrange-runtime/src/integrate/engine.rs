@@ -761,7 +761,7 @@ where
     (Some(started.map(|memory| (shorter, memory))), evaluations)
 }
 
-/// What is not finite about a state. (Names of coordinates are found by [`System::explained`].)
+/// The part of a state that is not finite. (Names of coordinates are found by [`System::explained`].)
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn not_finite<S: Real, const N: usize>(state: &State<S, N>) -> Option<Part> {
     let worst = |x: &SVector<S, N>| (0..N).find(|&i| x[i] * S::zero() != S::zero());

@@ -181,15 +181,15 @@ fn nothing_panics_on_numbers_that_are_none() {
                 .until(1.0)
                 .final_state()
                 .unwrap_err();
-            assert!(matches!(failed.failure, Failure::NonFinite { .. }));
+            assert!(matches!(failed.failure, Failure::StateNotFinite { .. }));
             let failed =
                 integrate(&system, Rk4, FixedStep::new(0.1), start).until(1.0).final_state().unwrap_err();
-            assert!(matches!(failed.failure, Failure::NonFinite { .. }));
+            assert!(matches!(failed.failure, Failure::StateNotFinite { .. }));
             let pendulum = Pendulum::default();
             let implicit = integrate(&pendulum, ImplicitMidpoint, FixedStep::new(0.1), start).until(1.0);
-            assert!(matches!(implicit.final_state().unwrap_err().failure, Failure::NonFinite { .. }));
+            assert!(matches!(implicit.final_state().unwrap_err().failure, Failure::StateNotFinite { .. }));
             let split = integrate(&pendulum, Verlet, FixedStep::new(0.1), start).until(1.0);
-            assert!(matches!(split.final_state().unwrap_err().failure, Failure::NonFinite { .. }));
+            assert!(matches!(split.final_state().unwrap_err().failure, Failure::StateNotFinite { .. }));
         }
         // Accelerations that go bad on the way, from the start, and a right-hand side that is always bad.
         let start = State::new(0.0, [1.0], [0.0]);

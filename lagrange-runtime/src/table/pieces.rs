@@ -8,8 +8,10 @@ pub enum Beyond {
     Held,
     /// The straight line with the slope at the end.
     Line,
-    /// None: the value is not a number, and a run that comes there fails with
-    /// [`NonFinite`](crate::Failure::NonFinite).
+    /// None: the value is not a number. A run that comes there ends in
+    /// [`StepSizeUnderflow`](crate::Failure::StepSizeUnderflow) before the end of the table, in
+    /// [`NonFinite`](crate::Failure::NonFinite) if its steps are equal, and a start there is
+    /// [`StateNotFinite`](crate::Failure::StateNotFinite).
     Refused,
 }
 

@@ -174,3 +174,31 @@ fn samples_are_no_sign_of_stiffness() {
     assert_eq!(asked.advance_within(1.0, 999), Ok(lagrange_runtime::Advance::NotYet));
     assert_eq!(asked.advance_within(1.0, 2), Ok(lagrange_runtime::Advance::Arrived));
 }
+
+lagrangian! {
+    system Drifter {
+        coord x;
+        extern f: Curve(x);
+        T = 0.5 * dot(x).powi(2);
+        V = 0;
+        Q[x] = f(x);
+    }
+}
+
+/// A run that leaves a table ends at its end, x = 1 at t = 1.
+#[test]
+fn beyond_a_refused_table() {
+    let drifter = Drifter::new(Curve::linear(&[-1.0, 1.0], &[0.0, 0.0], Beyond::Refused).unwrap());
+    let start = State::new(0.0, [0.0], [1.0]);
+    let run = integrate(&drifter, Dop853, PiController::tolerance(1e-9), start).until(2.0);
+    let failed = run.final_state().unwrap_err();
+    assert!(matches!(failed.failure, Failure::StepSizeUnderflow { .. }), "{failed}");
+    assert!((failed.last.q[0] - 1.0).abs() < 1e-9, "{failed}");
+    assert!(failed.to_string().contains("`Beyond::Refused`"), "{failed}");
+    let run = integrate(&drifter, Rk4, FixedStep::new(0.3), start).until(2.0);
+    assert!(matches!(run.final_state().unwrap_err().failure, Failure::NonFinite { .. }));
+    let beyond = State::new(0.0, [1.5], [1.0]);
+    let run = integrate(&drifter, Dop853, PiController::tolerance(1e-9), beyond).until(2.0);
+    let failure = run.final_state().unwrap_err().failure;
+    assert!(matches!(failure, Failure::StateNotFinite { part: Part::Equation(_), .. }), "{failure}");
+}
