@@ -232,6 +232,11 @@ fn a_model_that_depends_on_time_is_not_sampled() {
         StateSpace::without_inputs(&swaying, &rest).unwrap().sampled(0.1),
         Err(AnalysisError::TimeDependent)
     );
+    let told = AnalysisError::TimeDependent.to_string();
+    assert!(
+        told.contains("where a parameter multiplies that force, `pub simplified Free: neglect parameter;`"),
+        "{told}"
+    );
     let loaded = Loaded::default();
     let alone = StateSpace::without_inputs(&loaded, &rest).unwrap().sampled(0.3).unwrap();
     let model = StateSpace::about(&loaded, &rest).unwrap();

@@ -87,8 +87,8 @@ pub use branch::{Bifurcation, BifurcationKind, Branch, BranchPoint, Heading, Pat
 /// [`AnalysisError::DependentCoordinates`]; [`AnalysisError::TimeDependent`]; [`AnalysisError::NotConverged`] where
 /// there is no equilibrium near the start; [`AnalysisError::Unbalanced`] where a force is left there that no
 /// displacement changes; [`AnalysisError::Unresolved`] where the curve is lost; [`AnalysisError::NotFinite`];
-/// [`AnalysisError::Inertia`]; [`AnalysisError::Switch`]. [`AnalysisError::NotApplicable`] for a path without length,
-/// [`AnalysisError::Dimension`] for a direction of another length.
+/// [`AnalysisError::Inertia`]; [`AnalysisError::Switch`], [`AnalysisError::Kink`]. [`AnalysisError::NotApplicable`] for
+/// a path without length, [`AnalysisError::Dimension`] for a direction of another length.
 pub fn follow<Sys: Linearize<N, Scalar = Dual<f64>>, const N: usize>(
     family: &impl Fn(Dual<f64>) -> Sys,
     q: &[f64; N],
