@@ -448,6 +448,33 @@ pub(super) fn left<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     Ok(worst(&(system.inertia(q, &at.qd, 0.0) * system.accel(q, &at.qd, 0.0))))
 }
 
+/// The largest force that is [`left`] at an equilibrium with these multipliers. More than rounding beside the others is
+/// left where constraints count as some that follow from others, by the accelerations, and do not.
+pub(super) fn balances<Sys: Linearize<N, Scalar = f64>, const N: usize>(
+    system: &Sys,
+    q: &SVector<f64, N>,
+    multipliers: &DVector<f64>,
+) -> Result<f64, AnalysisError> {
+    let (index, force) = left(system, q)?;
+    let at = at_rest(*q);
+    let [forces, _, _, stiffness] = linearized(system, &at);
+    let all = Held::all(system, &at)?;
+    let of_constraints =
+        all.iter().zip(multipliers).map(|(held, multiplier)| held.row.amax() * multiplier.abs());
+    let of_changes =
+        stiffness.row_iter().map(|row| row.iter().zip(q).map(|(k, x)| k.abs() * (1.0 + x.abs())).sum());
+    let size = of_constraints.chain(of_changes).fold(forces.amax(), f64::max);
+    if force <= LEFT * size {
+        return Ok(force);
+    }
+    let units = units(&dynamic(&system.inertia(q, &at.qd, 0.0)));
+    let unbalanced = AnalysisError::Unbalanced { force, coordinate: Coordinate::of::<Sys, N>(index) };
+    Err(nearly_dependent(&all, &far(system, &at)?, &units, SINGULAR).unwrap_or(unbalanced))
+}
+
+/// Force that is left at an equilibrium, beside the others there.
+const LEFT: f64 = 1e-6;
+
 /// The equilibrium near `guess`: its coordinates, multipliers and small motions.
 pub(super) fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     system: &Sys,

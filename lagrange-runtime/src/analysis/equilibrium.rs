@@ -166,7 +166,7 @@ pub fn equilibrium<Sys: Linearize<N, Scalar = f64>, const N: usize>(
     if !Sys::FACTS.constraints.is_empty() {
         let (q, multipliers, small) = constrained::equilibrium(system, guess)?;
         let stability = constrained::stability(system, &q, &small)?;
-        let residual = constrained::left(system, &q)?.1;
+        let residual = constrained::balances(system, &q, &multipliers)?;
         return Ok(Equilibrium { q, multipliers, residual, small, stability });
     }
     let at_rest = |q| State { t: 0.0, q, qd: SVector::zeros() };

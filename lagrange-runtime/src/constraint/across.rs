@@ -5,10 +5,10 @@
 //! are beside the constraints by much more than the error of a step, which then has no order. So stages are projected
 //! first, and the nearest accelerations are interpolated.
 
-use super::dependence::{least_sine, nearly_dependent_part};
+use super::dependence::{is_linear, least_sine, nearly_dependent_part};
 use super::{Constrained, independence, restore, transposed};
-use crate::linear::product;
-use crate::scalar::{Functions, Real, RealCase, Scalar};
+use crate::linear::{dot, factored, product};
+use crate::scalar::{Comparison, Functions, Real, RealCase, Scalar};
 use crate::state::{Begun, State, constant};
 use nalgebra::{SMatrix, SVector};
 
@@ -94,6 +94,36 @@ fn response<Sys: Constrained<N, M>, const N: usize, const M: usize>(
 ) -> (SVector<Sys::Scalar, N>, SVector<Sys::Scalar, M>) {
     system.response(&at.q, &at.qd, at.t, force, &constant(Scalar::zero()))
 }
+
+/// 1 where a change of velocities by a force is on the constraints, to the part [`KEPT`] of what it would be without
+/// them; else not a number. Where numbers alone tell the rank, a constraint may count as one that follows from others,
+/// and does not.
+fn kept<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+    force: &SVector<Sys::Scalar, N>,
+    change: &SVector<Sys::Scalar, N>,
+) -> Sys::Scalar {
+    let one = Scalar::one();
+    if Sys::FACTS.redundancy.is_none_or(|redundancy| redundancy.rank.is_some()) {
+        return one;
+    }
+    let inertia = factored(&system.inertia(&at.q, &at.qd, at.t));
+    let gradients = system.constraint_jacobian(&at.q, at.t);
+    let size = |x: &SVector<Sys::Scalar, N>| {
+        let half = inertia.half(x);
+        dot(&half, &half)
+    };
+    let free = size(force) * Scalar::from_f64(KEPT * KEPT);
+    (0..M).fold(one, |kept, j| {
+        let gradient = SVector::from_fn(|i, _| gradients[(j, i)]);
+        let (rate, most) = (dot(&gradient, change), free * size(&gradient));
+        Scalar::select(Comparison::LessEqual, rate * rate, most, kept, Scalar::from_f64(f64::NAN))
+    })
+}
+
+/// A state may be beside the constraints by so much of its coordinates.
+const KEPT: f64 = 1e-6;
 
 /// 1 if constraints move in time at a state, so that states beside it are those of other times; else 0.
 fn clock<Sys: Constrained<N, M>, const N: usize, const M: usize>(
@@ -540,8 +570,10 @@ where
     #[inline]
     fn alone(&self, at: &State<Sys::Scalar, N>) -> SVector<Sys::Scalar, K> {
         let (system, State { t, q, qd }) = (self.system, at);
-        let accelerations = if A { system.accel(q, qd, *t) } else { constant(Scalar::zero()) };
-        let multipliers = if L { system.multipliers(q, qd, *t) } else { constant(Scalar::zero()) };
+        let force = system.momentum_rate(q, qd, *t);
+        let kept = kept(system, at, &force, &response(system, at, &force).0);
+        let accelerations = if A { system.accel(q, qd, *t) * kept } else { constant(Scalar::zero()) };
+        let multipliers = if L { system.multipliers(q, qd, *t) * kept } else { constant(Scalar::zero()) };
         (self.of)(at, &accelerations, &multipliers)
     }
 
@@ -610,7 +642,8 @@ where
     };
     let Some(reference) = moving().or_else(pushed) else {
         // Gradients alone tell of a system that does not move.
-        return (least_sine(system, at, VANISHED) >= CLOSE).then(|| alone(at));
+        let is_apart = is_linear(system, at, CLOSE) || least_sine(system, at, VANISHED) >= CLOSE;
+        return is_apart.then(|| alone(at));
     };
     let independence = independence::<Sys, N, M>(system, &reference, at);
     if independence >= BETWEEN {
@@ -675,6 +708,7 @@ impl<Sys: Constrained<N, M>, const N: usize, const M: usize> RealCase<Sys::Scala
     fn any(self) -> Self::Output {
         let Struck { system, at, impulse } = self;
         let (change, impulses) = response(system, at, impulse);
+        let change = change * kept(system, at, impulse, &change);
         [change, transposed(&system.constraint_jacobian(&at.q, at.t), &impulses)]
     }
 }

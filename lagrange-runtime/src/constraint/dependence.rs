@@ -63,6 +63,30 @@ fn far<S: Real, const N: usize>(at: &State<S, N>) -> State<S, N> {
 /// Its distance, relative to these coordinates.
 const FAR: f64 = 0.2;
 
+/// Returns whether the gradients of the constraints that are dependent at a state, up to the part `brink`, are those of
+/// any other state, and apart by more than rounding: such constraints have no branches.
+pub(super) fn is_linear<Sys: Constrained<N, M>, const N: usize, const M: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+    brink: f64,
+) -> bool
+where
+    Sys::Scalar: Real,
+{
+    let Some(products) = products(system, at) else { return false };
+    let mut elimination = Elimination::new(&products, squares(&products));
+    let Some((_, pivot, _)) = elimination.up_to(brink).filter(|(_, pivot, _)| *pivot > ACCURATE) else {
+        return false;
+    };
+    let least = least_part(pivot);
+    let there = State { t: at.t + Scalar::one(), ..far(at) };
+    let [here, there] = [at, &there].map(|at| system.constraint_jacobian(&at.q, at.t));
+    (0..M).all(|j| !elimination.takes_part(j, least) || here.row(j) == there.row(j))
+}
+
+/// Square of a sine between gradients with which accelerations keep half of their digits.
+const ACCURATE: f64 = 1e-8;
+
 /// Constraints that do not follow from others at a state.
 pub(super) fn chosen<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system: &Sys,
@@ -165,7 +189,7 @@ fn involved<const M: usize>(
 ) -> Option<[bool; M]> {
     let mut elimination = Elimination::new(here, longest(elsewhere, here));
     let (_, pivot, _) = elimination.up_to(brink * usual_sine(elsewhere, rank))?;
-    let least = LEAST_PART + MARGIN * Functions::sqrt(pivot.max(0.0));
+    let least = least_part(pivot);
     Some(core::array::from_fn(|j| elimination.takes_part(j, least)))
 }
 
@@ -267,6 +291,10 @@ impl Dependent {
 /// sine are none of its dependence.
 const LEAST_PART: f64 = 1e-3;
 const MARGIN: f64 = 5.0;
+
+fn least_part(pivot: f64) -> f64 {
+    LEAST_PART + MARGIN * Functions::sqrt(pivot.max(0.0))
+}
 
 /// Elimination of a matrix of products, scaled by squares of lengths, in the order of its largest pivots. These are
 /// squares of sines of the angles between a gradient and the span of those before it.

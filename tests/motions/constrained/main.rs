@@ -8,6 +8,7 @@ mod curves;
 mod disk;
 mod linear;
 mod motions;
+mod parallel;
 mod redundant;
 mod refused;
 mod rolling;
