@@ -29,9 +29,9 @@ const WEIGHTS: [[f64; 6]; 2] = [
 /// and other coordinates are fast, nodes are too far apart.
 const SMOOTH: f64 = 1e-6;
 
-/// Spacings of nodes, as sines between gradients there, that lose no digits to speak of: of motions by angles, and by
-/// places, whose series along a tangent converge up to a radian; and the difference of the polynomials up to which they
-/// are taken.
+/// Spacings of nodes, in units of the length of the motion, that lose no digits to speak of: of motions by angles, and
+/// by places, whose series along a tangent converge up to a radian; and the difference of the polynomials up to which
+/// they are taken.
 const WIDE: [f64; 2] = [0.08, 0.04];
 const SMOOTHER: f64 = 1e-9;
 
@@ -207,7 +207,10 @@ impl<S: Real, const N: usize> Nodes<S, N> {
         };
         let apart = |at: &State<S, N>| independence::<Sys, N, M>(system, reference, at) >= CLOSE;
         if spacing == 0.0 {
-            spacing = FIRST_SPACING * unit(system, reference, at) / fastest;
+            // (Of small places it is smaller.)
+            let distance = largest(&(reference.q - at.q));
+            spacing = if distance > 0.0 { FIRST_SPACING.min(FIRST_PART * distance) } else { FIRST_SPACING };
+            spacing /= fastest;
         }
         for _ in 0..MOST_SPACINGS {
             let nearest = both(spacing).filter(|[before, after]| {
@@ -290,8 +293,10 @@ const STEEP: f64 = 10.0;
 /// Distance between a state and those beside it that show how long gradients are elsewhere.
 const ASIDE: f64 = 0.25;
 
-/// The smallest spacing of nodes without a step, in units of the fastest coordinate and of the motion.
+/// The smallest spacing of nodes without a step, in units of the fastest coordinate, and as a part of the distance of
+/// the reference.
 const FIRST_SPACING: f64 = 1e-6;
+const FIRST_PART: f64 = 1e-3;
 
 /// Distance between a node and its projection, in units of that of the node.
 const BESIDE: f64 = 0.5;
@@ -338,7 +343,8 @@ where
     Sys::Scalar: Real,
 {
     let clock = clock(system, at);
-    let reference = elsewhere(system, at, &at.qd, clock).or_else(|| aside(system, at, &at.qd, clock))?;
+    let found = elsewhere(system, at, &at.qd, clock).map(|(state, _)| state);
+    let reference = found.or_else(|| aside(system, at, &at.qd, clock))?;
     let independent = independence::<Sys, N, M>(system, &reference, at);
     let on_branch = || on_branch::<Sys, N, M>(system, &reference, at);
     let state = (independent < CLOSE).then(on_branch).flatten();
@@ -360,23 +366,25 @@ where
 }
 
 /// [`aside`] as far as the nearest state on the constraints follows, in whatever units. Where coordinates are large
-/// numbers, gradients at that distance are as dependent as here: how little the way there curves tells how far elsewhere
-/// is.
+/// numbers, gradients at that distance are as dependent as here: how little the way there curves tells how far
+/// elsewhere is. And a unit of length: the radius of the way, or 1 where it is straight, as by angles.
 fn elsewhere<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
     along: &SVector<Sys::Scalar, N>,
     clock: f64,
-) -> Option<State<Sys::Scalar, N>>
+) -> Option<(State<Sys::Scalar, N>, f64)>
 where
     Sys::Scalar: Real,
 {
     let fastest = largest(along);
-    // The nearest state, and how far it is beside the tangent, relative to its distance.
+    // The nearest state, its distance, and how far it is beside the tangent, relative to that.
     let beside = |s: f64| {
         let state = projected(system, at, along, s, clock)?;
         let off = state.q - at.q - along * Sys::Scalar::from_f64(s);
-        Some((state, largest(&off) / (s.abs() * fastest))).filter(|(_, off)| *off <= BESIDE)
+        let distance = s.abs() * fastest;
+        let is_there = |off: f64| off <= BESIDE && distance >= RESOLVED * largest(&at.q);
+        Some((state, distance, largest(&off) / distance)).filter(|(_, _, off)| is_there(*off))
     };
     let up_to = |distance: f64| {
         (0..SCALES).find_map(|k| {
@@ -384,42 +392,31 @@ where
             [-s, s].into_iter().find_map(beside)
         })
     };
-    let (mut state, mut off) = up_to(ASIDE)?;
-    let mut apart = sine(system, &state);
+    let near = up_to(ASIDE)?;
+    let apart = sine(system, &near.0);
+    let mut far = near;
     // (More than once, since rounding curves the way too.)
-    while apart < APART && (STRAIGHT..CURVED).contains(&off) {
-        let Some((far, curved)) = up_to(largest(&(state.q - at.q)) * CURVED / off) else { break };
-        let there = sine(system, &far);
-        if there <= 2.0 * apart {
-            break;
-        }
-        (state, off, apart) = (far, curved, there);
+    for _ in 0..MOST_FARTHER {
+        let curved = apart < APART && (STRAIGHT..CURVED).contains(&far.2);
+        let Some(farther) = curved.then(|| up_to(far.1 * 3.0 * CURVED / far.2)).flatten() else { break };
+        far = farther;
     }
-    Some(state)
+    let is_farther = apart < APART && far.2 >= CURVED && sine(system, &far.0) > apart;
+    let (state, distance, off) = if is_farther { far } else { near };
+    Some((state, distance / ASIDE.max(2.0 * off / (1.0 - off))))
 }
 
-/// Distance beside the tangent, relative to that along it, of states that are elsewhere; and one that is rounding.
-const CURVED: f64 = 0.15;
+/// Distance, relative to the coordinates, at which rounding still tells a branch.
+const RESOLVED: f64 = 1e-8;
+
+/// Distance beside the tangent, relative to that along it, of states that are elsewhere, and one that is rounding; and
+/// how often farther ones are looked for.
+const CURVED: f64 = 0.05;
 const STRAIGHT: f64 = 1e-9;
+const MOST_FARTHER: u32 = 4;
 
 /// Sine between gradients above which they are those of elsewhere.
 const APART: f64 = 0.2;
-
-/// Distance in which gradients that are dependent at a state would become orthogonal, by those of the reference: the
-/// unit of length of the motion there.
-fn unit<Sys: Constrained<N, M>, const N: usize, const M: usize>(
-    system: &Sys,
-    reference: &State<Sys::Scalar, N>,
-    at: &State<Sys::Scalar, N>,
-) -> f64
-where
-    Sys::Scalar: Real,
-{
-    match largest(&(reference.q - at.q)) / sine(system, reference).max(APART) {
-        0.0 => 1.0,
-        unit => unit,
-    }
-}
 
 /// [`least_sine`] by the gradients of the state alone.
 fn sine<Sys: Constrained<N, M>, const N: usize, const M: usize>(
@@ -485,8 +482,8 @@ where
     State { t, q, qd }
 }
 
-/// 1.5⁶⁰ is 4e10.
-const MOST_SPACINGS: u32 = 60;
+/// 1.5⁷⁰ is 2e12.
+const MOST_SPACINGS: u32 = 70;
 
 /// K quantities `of` a state, its accelerations, if `A` asks for them, and its multipliers, likewise `L`. Near one at
 /// which constraints are dependent they are those on the branch that it is on, by polynomials through states on both
@@ -638,9 +635,9 @@ where
     // (At rest in such a position, to rounding, a force leads to any of the branches.)
     let pushed = || {
         let aside = elsewhere(system, at, &response(system, at, push).0, 0.0)?;
-        (independence::<Sys, N, M>(system, &aside, at) > AT_POSITION).then_some(aside)
+        (independence::<Sys, N, M>(system, &aside.0, at) > AT_POSITION).then_some(aside)
     };
-    let Some(reference) = moving().or_else(pushed) else {
+    let Some((reference, unit)) = moving().or_else(pushed) else {
         // Gradients alone tell of a system that does not move.
         let is_apart = is_linear(system, at, CLOSE) || least_sine(system, at, VANISHED) >= CLOSE;
         return is_apart.then(|| alone(at));
@@ -649,7 +646,6 @@ where
     if independence >= BETWEEN {
         return Some(alone(at));
     }
-    let unit = unit(system, &reference, at);
     let found = |h: f64, smooth: f64| {
         Nodes::about(system, &reference, at, Sys::Scalar::from_f64(h), |nodes| of(nodes, unit, smooth))
     };
