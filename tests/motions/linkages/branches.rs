@@ -285,3 +285,33 @@ fn rest_where_branches_cross_has_no_accelerations() {
         assert!(accel[0].is_nan() && after[0].is_nan(), "{side}: {accel} {after}");
     }
 }
+
+lagrangian! {
+    /// A bead on a lying eight, which crosses itself at the origin.
+    system Eight {
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = 0;
+        constraint eight: y.powi(2) == x.powi(2) - x.powi(4);
+    }
+}
+
+/// Steps of one size, whose ends fall anywhere beside the crossing, go through it: nothing changes the speed.
+#[test]
+fn equal_steps_keep_the_speed_over_a_crossing() {
+    let (eight, speed) = (Eight::new(), 3.0);
+    let mut worst = 0.0f64;
+    for k in 0..200 {
+        let x = 0.3 + 7e-4 * f64::from(k);
+        let y = -(x * x - x.powi(4)).sqrt();
+        let along = SVector::from([2.0 * y, 2.0 * x - 4.0 * x.powi(3)]);
+        let start = State { t: 0.0, q: [x, y].into(), qd: along * (speed / along.norm()) };
+        for h in [0.005, 0.01, 0.02] {
+            let end = integrate(&eight, Dop853, FixedStep::new(h), start).until(0.4).final_state().unwrap();
+            worst = worst.max((end.qd.norm() / speed - 1.0).abs());
+            let end = integrate(&eight, Rk4, FixedStep::new(h), start).until(0.4).final_state().unwrap();
+            worst = worst.max((end.qd.norm() / speed - 1.0).abs());
+        }
+    }
+    assert!(worst < 1e-4, "{worst:e}");
+}
