@@ -26,8 +26,8 @@ wedges! {
     Redundant: redundant constraint;
 }
 
-/// Of whether one follows from the other numbers alone decide: below 1e-3 they take it for so. A system in which that
-/// is wrong has no results.
+/// Numbers alone decide whether one follows from the other: below 1e-3 they take it for so. A system in which that is
+/// wrong has no results.
 #[test]
 fn planes_that_count_as_one_and_are_two_are_refused() {
     let at = State::new(0.0, [0.0; 3], [0.3, 0.0, 0.0]);
