@@ -5,7 +5,7 @@
 use lagrange_runtime::controller::Controller;
 use lagrange_runtime::ensemble::rand_distr::{Distribution, Uniform};
 use lagrange_runtime::ensemble::{
-    Collect, Ensemble, EnsembleError, Extrema, Moments, Outcome, Random, Record, Table,
+    Collect, Ensemble, EnsembleError, Extrema, Moments, Outcome, Random, Record, Source, Table,
 };
 use lagrange_runtime::event::Direction;
 use lagrange_runtime::lanes::{
@@ -400,7 +400,7 @@ fn constraints_and_projections() {
     lanes_are_alone!(pendulums().integrate(projected, PiController::tolerance(1e-4), END), Fused, 21);
 }
 
-fn uncertain(n: u64) -> Ensemble<Random, impl Fn(rand_chacha::ChaCha8Rng) -> (Particle, State<f64, 1>)> {
+fn uncertain(n: u64) -> Ensemble<Random, impl Fn(<Random as Source>::Draw) -> (Particle, State<f64, 1>)> {
     let unit = Uniform::new(0.0, 1.0).expect("finite ends");
     Ensemble::new(Random::seed(5), n, move |mut rng| {
         let [u, v, w]: [f64; 3] = core::array::from_fn(|_| unit.sample(&mut rng));
