@@ -726,7 +726,7 @@ impl<S> Failure<S> {
     pub fn cause(&self) -> Option<Cause> {
         Some(match self {
             Failure::StepSizeUnderflow { cause, .. } => return *cause,
-            Failure::NonFinite { .. } => Cause::NonFinite,
+            Failure::NonFinite { .. } | Failure::StateNotFinite { .. } => Cause::NonFinite,
             Failure::SingularInertia { coordinate, .. } => Cause::SingularInertia(*coordinate),
             Failure::NotConverged { iterations, .. } => Cause::NotConverged(*iterations),
             Failure::SingularStep { coordinate, .. } => Cause::SingularStep(*coordinate),

@@ -339,7 +339,10 @@ where
     #[inline(always)]
     pub fn towards(&mut self, system: &Sys, end: Option<Sys::Scalar>) -> Result<(), Failure<Sys::Scalar>> {
         if self.status == Status::Running && self.end == end {
-            self.shorten(system)
+            // (A step that is not to be made needs no other parameters: the next call takes them.)
+            let equal = matches!(self.controller.first_step(), FirstStep::Fixed(_));
+            let is_used_up = Self::ATTITUDES && self.attempts >= rules::budget(self.max_steps, equal);
+            if is_used_up { Ok(()) } else { self.shorten(system) }
         } else {
             self.turn(system, end)
         }
