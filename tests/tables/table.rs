@@ -87,8 +87,8 @@ impl Table {
         }
         assert!(wrong.is_empty(), "{}", wrong.join("\n"));
         let from = Path::new(env!("CARGO_MANIFEST_DIR"));
-        let pages = from.ancestors().map(|folder| folder.join("docs/lab/reliability.md"));
-        let path = &{ pages }.find(|page| page.exists()).expect("the page");
+        let mut pages = from.ancestors().map(|folder| folder.join("docs/lab/reliability.md"));
+        let path = &pages.find(|page| page.exists()).expect("the page");
         let page = std::fs::read_to_string(path).unwrap();
         let mark = format!("<!-- {name}: printed by its test, LAGRANGE_TABLES=write -->\n");
         let begin = page.find(&mark).unwrap_or_else(|| panic!("no table {name}")) + mark.len();

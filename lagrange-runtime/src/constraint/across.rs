@@ -95,29 +95,29 @@ fn response<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system.response(&at.q, &at.qd, at.t, force, &constant(Scalar::zero()))
 }
 
-/// 1 where a change of velocities by a force is on the constraints, to the part [`KEPT`] of what it would be without
-/// them; else not a number. Where numbers alone tell the rank, a constraint may count as one that follows from others,
-/// and does not.
+/// 1 where the change of velocities by a force (`changed` has both) is on the constraints, to the part [`KEPT`] of
+/// the change without them; else not a number. Where numbers alone tell the rank, a constraint may count as one that
+/// follows from others, and does not.
 fn kept<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
-    force: &SVector<Sys::Scalar, N>,
-    change: &SVector<Sys::Scalar, N>,
+    changed: impl FnOnce() -> [SVector<Sys::Scalar, N>; 2],
 ) -> Sys::Scalar {
     let one = Scalar::one();
     if Sys::FACTS.redundancy.is_none_or(|redundancy| redundancy.rank.is_some()) {
         return one;
     }
+    let [force, change] = changed();
     let inertia = factored(&system.inertia(&at.q, &at.qd, at.t));
     let gradients = system.constraint_jacobian(&at.q, at.t);
     let size = |x: &SVector<Sys::Scalar, N>| {
         let half = inertia.half(x);
         dot(&half, &half)
     };
-    let free = size(force) * Scalar::from_f64(KEPT * KEPT);
+    let free = size(&force) * Scalar::from_f64(KEPT * KEPT);
     (0..M).fold(one, |kept, j| {
         let gradient = SVector::from_fn(|i, _| gradients[(j, i)]);
-        let (rate, most) = (dot(&gradient, change), free * size(&gradient));
+        let (rate, most) = (dot(&gradient, &change), free * size(&gradient));
         Scalar::select(Comparison::LessEqual, rate * rate, most, kept, Scalar::from_f64(f64::NAN))
     })
 }
@@ -567,8 +567,10 @@ where
     #[inline]
     fn alone(&self, at: &State<Sys::Scalar, N>) -> SVector<Sys::Scalar, K> {
         let (system, State { t, q, qd }) = (self.system, at);
-        let force = system.momentum_rate(q, qd, *t);
-        let kept = kept(system, at, &force, &response(system, at, &force).0);
+        let kept = kept(system, at, || {
+            let force = system.momentum_rate(q, qd, *t);
+            [force, response(system, at, &force).0]
+        });
         let accelerations = if A { system.accel(q, qd, *t) * kept } else { constant(Scalar::zero()) };
         let multipliers = if L { system.multipliers(q, qd, *t) * kept } else { constant(Scalar::zero()) };
         (self.of)(at, &accelerations, &multipliers)
@@ -704,7 +706,7 @@ impl<Sys: Constrained<N, M>, const N: usize, const M: usize> RealCase<Sys::Scala
     fn any(self) -> Self::Output {
         let Struck { system, at, impulse } = self;
         let (change, impulses) = response(system, at, impulse);
-        let change = change * kept(system, at, impulse, &change);
+        let change = change * kept(system, at, || [*impulse, change]);
         [change, transposed(&system.constraint_jacobian(&at.q, at.t), &impulses)]
     }
 }

@@ -251,7 +251,8 @@ impl<const K: usize> Search<K> {
         }
     }
 
-    /// The sides of the events of a motion that is left where the next event was met, at `x` in `state`.
+    /// The search of a motion that is left where the next event was met, at `x` in `state`: its sides are those
+    /// [landed](Self::sides_landed).
     pub fn left_at<S: Real, E: Bound<S, N, K>, const N: usize>(
         mut self,
         events: &E,

@@ -340,8 +340,7 @@ where
     pub fn towards(&mut self, system: &Sys, end: Option<Sys::Scalar>) -> Result<(), Failure<Sys::Scalar>> {
         if self.status == Status::Running && self.end == end {
             // (A step that is not to be made needs no other parameters: the next call takes them.)
-            let equal = matches!(self.controller.first_step(), FirstStep::Fixed(_));
-            let is_used_up = Self::ATTITUDES && self.attempts >= rules::budget(self.max_steps, equal);
+            let is_used_up = Self::ATTITUDES && self.attempts >= self.budget(self.equal().is_some());
             if is_used_up { Ok(()) } else { self.shorten(system) }
         } else {
             self.turn(system, end)
@@ -501,10 +500,15 @@ where
         self.directed(Sys::Scalar::from_f64(h1.min(100.0 * h0).min(limit)))
     }
 
+    #[inline(always)]
+    fn budget(&self, equal: bool) -> u64 {
+        rules::budget(self.max_steps, equal)
+    }
+
     /// The next attempted step is within the budget.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn within_budget(&mut self, equal: bool) -> Result<(), Failure<Sys::Scalar>> {
-        let max_steps = rules::budget(self.max_steps, equal);
+        let max_steps = self.budget(equal);
         if self.attempts >= max_steps {
             let implicit = self.method.implicit();
             return Err(Failure::BudgetUsedUp { t: self.state.t, h: self.h, max_steps, implicit });

@@ -51,7 +51,10 @@ impl Sides {
 
     /// The side of each of these events, if it was kept at `t`.
     pub fn of<const K: usize>(&self, t: f64, events: impl Fn(usize) -> Left) -> [Option<Side>; K] {
-        let kept = if self.t == t { &self.kept[..self.count] } else { &[] };
+        let kept = &self.kept[..self.count];
+        if kept.is_empty() || self.t != t {
+            return [None; K];
+        }
         core::array::from_fn(|i| {
             let event = events(i);
             // (At an impact, and by an input, g is another one.)

@@ -47,7 +47,7 @@ fn planes_that_count_as_one_and_are_two_are_refused() {
         assert!((found.multipliers[0] - force).abs() < 1e-9 * force, "{slope}: {}", found.multipliers);
         assert!(found.residual < 1e-9 && wedge.jump(&at, &blow).after.qd[2].abs() < 1e-9);
     }
-    // Where they are the same indeed, the impulse along them acts.
+    // The impulse along planes that are the same indeed acts.
     assert_eq!(Redundant::new(0.0).jump(&at, &blow).after.qd.as_slice(), [0.8, 0.0, 1.0]);
 }
 

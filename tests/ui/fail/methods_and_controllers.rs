@@ -1,4 +1,4 @@
-// What does not fit: a controller and its method, coefficients and a method, a linear model and a system.
+// Pairs that do not fit: a controller and its method, coefficients and a method, a linear model and a system.
 
 use lagrange_runtime::analysis::StateSpace;
 use lagrange_runtime::prelude::*;

@@ -416,7 +416,7 @@ impl Elaborator<'_> {
                 return Err(self.errors.push(at, message));
             }
             ("clamp", &[low, high]) => {
-                // What is not a number is neither below a bound nor above one, and stays what it is.
+                // A value that is not a number is neither below a bound nor above one, and stays what it is.
                 let above = g.choose(false, x, low);
                 g.select(Comparison::Less, high, above, high, above)
             }
