@@ -439,6 +439,55 @@ fn evaluations_of_a_sampled_controller() {
     );
 }
 
+/// The last stage of a step whose end nobody asks for is that of the next step, whose inputs are others.
+#[test]
+fn evaluations_of_rk4_under_control() {
+    let law = |state: &State<f64, 2>, u: &mut SVector<f64, 2>| u[0] = -0.5 * state.qd[0];
+    let rk4 = |h: f64| Stepper::new(MOTORS, Rk4, FixedStep::new(h), SWUNG);
+    let mut controlled = rk4(0.01).every(0.01, law);
+    controlled.advance_to(1.0).unwrap();
+    let Statistics { accepted, evaluations, .. } = controlled.statistics();
+    assert_eq!((accepted, evaluations), (100, 400));
+    // Set by hand, and by a loop over steps, which has their interpolants and so all stages.
+    let (mut by_hand, mut seen) = (rk4(0.01), rk4(0.01).every(0.01, law));
+    for k in 1..=100 {
+        by_hand.set_inputs([-0.5 * by_hand.state().qd[0], 0.0]).unwrap();
+        by_hand.advance_to(0.01 * f64::from(k)).unwrap();
+        let step = seen.step().unwrap();
+        let middle = seen.interpolant(&step).unwrap().at(step.from.t + 0.5 * step.h);
+        assert!((middle.qd - (step.from.qd + step.to.qd) * 0.5).amax() < 1e-2);
+    }
+    assert_eq!(by_hand.statistics().evaluations, 400);
+    assert_eq!(seen.statistics().evaluations, 500);
+    assert_eq!(seen.state(), by_hand.state());
+    assert_eq!(controlled.state().q, seen.state().q);
+    // Four steps an instant, and inputs that stay: no evaluation more than those of a run.
+    let mut held = rk4(0.01).every(0.04, |_, _| ());
+    held.advance_to(1.0).unwrap();
+    let mut run = integrate(&MOTORS, Rk4, FixedStep::new(0.01), SWUNG).until(1.0);
+    run.run_to_end().unwrap();
+    assert!(held.statistics().evaluations <= run.statistics().evaluations);
+    assert!((held.state().q - run.state().q).amax() < 1e-13);
+}
+
+/// On constraints the projection moves the end, so that a step whose end nobody asks for costs two evaluations less.
+#[test]
+fn evaluations_of_rk4_on_constraints() {
+    let rod = Rod { l: 1.0, g: 9.81 };
+    let start = State::new(0.0, [0.6, -0.8], [0.8, 0.6]);
+    let rk4 = || Stepper::new(rod, Rk4, FixedStep::new(0.01), start);
+    let (mut by_times, mut by_steps) = (rk4(), rk4());
+    for k in 1..=100 {
+        by_times.system_mut();
+        by_times.advance_to(0.01 * f64::from(k)).unwrap();
+        by_steps.system_mut();
+        by_steps.step().unwrap();
+    }
+    let evaluations = [by_times, by_steps.clone()].map(|stepper| stepper.statistics().evaluations);
+    assert_eq!(evaluations, [400, 600]);
+    assert!((by_steps.state().q.norm() - 1.0).abs() < 1e-14);
+}
+
 #[test]
 fn no_time_goes_back() {
     let mut stepper = motors();

@@ -412,11 +412,7 @@ fn files_are_read_in_one_sitting() {
 #[test]
 fn long_tests_run_somewhere() {
     let run = fs::read_to_string(Path::new(ROOT).join(".ci/run")).expect("a script");
-    let named = run.split_once("long=(").and_then(|(_, rest)| rest.split_once(')')).expect("a list").0;
-    let motions = fs::read_to_string(Path::new(ROOT).join("tests/motions/Cargo.toml")).expect("a manifest");
-    let programs = motions.split("[[test]]").filter(|program| program.contains("\ntest = false"));
-    let long: Vec<_> = programs.filter_map(|program| program.split('"').nth(1)).collect();
-    assert_eq!(named.split_whitespace().collect::<Vec<_>>(), long);
+    assert!(run.contains("\ncargo test --profile long -p lagrange-motions --features long\n"));
     assert!(run.contains("\ncargo test --release --example stability"));
     let full = fs::read_to_string(Path::new(ROOT).join(".ci/full")).expect("a script");
     let mut count = 0;

@@ -26,7 +26,7 @@
 //! }
 //!
 //! let release = Normal::new(1.0, 0.1)?;
-//! let study = Ensemble::new(Random::seed(1), 2000, |mut rng| {
+//! let study = Ensemble::new(Random::seed(1), 500, |mut rng| {
 //!     (Pendulum::new(1.0, 0.85), State::new(0.0, [release.sample(&mut rng)], [0.0]))
 //! })
 //! .integrate(Dop853, PiController::tolerance(1e-9), 10.0);
@@ -34,7 +34,7 @@
 //! let outcome = study.reduce(|_, run| Ok(run.final_state()?.q[0]), Moments)?;
 //! let angle = outcome.statistic;
 //! println!("θ = {:.3} ± {:.3}", angle.mean(), angle.standard_deviation());
-//! # assert_eq!((angle.count(), outcome.failures.count), (2000, 0));
+//! # assert_eq!((angle.count(), outcome.failures.count), (500, 0));
 //! # assert!(angle.mean().abs() < 1.0 && (0.1..1.0).contains(&angle.standard_deviation()));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

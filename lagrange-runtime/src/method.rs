@@ -186,6 +186,24 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
         next: &mut Self::MethodState,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>>;
 
+    /// Returns whether [`last_step`](Self::last_step) takes fewer evaluations than [`step`](Self::step).
+    #[doc(hidden)]
+    const HAS_LAST_STEP: bool = false;
+
+    /// [`step`](Self::step) after which a motion goes on from [`start`](Self::start): nothing is written to `next`,
+    /// and the step has no interpolant.
+    #[doc(hidden)]
+    fn last_step(
+        &self,
+        system: &Sys,
+        memory: &Self::MethodState,
+        from: &State<Sys::Scalar, N>,
+        h: Sys::Scalar,
+        next: &mut Self::MethodState,
+    ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
+        self.step(system, memory, from, h, next)
+    }
+
     /// The interpolant of a step. It is made only when asked for, since it may cost evaluations of its own, see
     /// [`interpolant_evaluations`](Self::interpolant_evaluations).
     fn interpolant(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Interpolant;

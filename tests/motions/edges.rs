@@ -233,6 +233,7 @@ fn pendulum() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn constrained() {
     let ordinary = hang(0.5);
     let (exact, nan, inf) = (angle(0.5, 1.0).sin(), f64::NAN, f64::INFINITY);
@@ -501,6 +502,7 @@ lagrangian! {
 /// Forces among subnormal numbers, whose roundings are no slow convergence: x = −f t²/2 by every family, to the
 /// roundings of its steps.
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn subnormal_forces() {
     for f in [1e-300, 1e-308, 1e-310, 1e-320, 5e-324] {
         for h in [0.1, 1e-3, 10.0] {

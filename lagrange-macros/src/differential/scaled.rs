@@ -205,7 +205,7 @@ fn documentation_shows_groups_and_units() {
 #[test]
 fn random_systems_scale() {
     let (mut stated, mut tried) = (0, 0);
-    for seed in 0..100 {
+    for seed in 0..40 {
         let text = Case::new(seed).text();
         match derived(&text) {
             Ok(d) => {
@@ -220,5 +220,5 @@ fn random_systems_scale() {
             }
         }
     }
-    assert!(tried > 75 && stated > 25, "{stated} of {tried}");
+    assert!(tried > 30 && stated > 10, "{stated} of {tried}");
 }

@@ -105,7 +105,7 @@ fn depths_of_frames() {
     let one = |statements: &str| {
         format!("system A {{ coord x, y; {statements} T = dot(x).powi(2) + dot(y).powi(2); V = 0; }}")
     };
-    for n in [2, 30, 63, 500] {
+    for n in [2, 63, 500] {
         let turns = vec!["rotation_x(x)"; n].join(" * ");
         messages(&one(&format!("let f = frame(world, [0, 0, 0], {turns});")));
         messages(&one(&format!("let f = frame(world, [0, 0, 0], {turns}); let w = angular_velocity(f);")));

@@ -79,13 +79,13 @@ where
     ///     }
     /// }
     /// let release = Normal::new(1.0, 0.1)?;
-    /// let study = Ensemble::new(Random::seed(1), 2000, |mut rng| {
+    /// let study = Ensemble::new(Random::seed(1), 500, |mut rng| {
     ///     (Pendulum::new(1.0, 0.85), State::new(0.0, [release.sample(&mut rng)], [0.0]))
     /// })
     /// .integrate(Dop853, PiController::tolerance(1e-9), 10.0)
     /// .in_lanes(Fused);
     /// let outcome = study.observe(&FinalState(|_: &Pendulum, end: &State<f64, 1>| end.q[0]), Moments)?;
-    /// assert_eq!(outcome.statistic.count(), 2000);
+    /// assert_eq!(outcome.statistic.count(), 500);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     #[must_use]

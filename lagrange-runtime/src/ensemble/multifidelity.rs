@@ -97,9 +97,9 @@ pub use quantile::QuantileEstimate;
 ///     FinalState(|_: &Linear, end: &State<f64, 1>| end.q[0]),
 /// );
 /// let study = Multifidelity::new(Random::seed(1), 1_000_000, full, cheap);
-/// let angle = study.to_half_width(5e-4)?;
+/// let angle = study.to_half_width(1e-3)?;
 /// println!("θ = {:.4} ± {:.4}, at {:.2} of the cost", angle.mean(), angle.half_width(0.95), angle.cost_ratio());
-/// # assert!(angle.half_width(0.95) <= 5e-4 && angle.cost_ratio() < 0.6 && angle.pilot.gain.is_some());
+/// # assert!(angle.half_width(0.95) <= 1e-3 && angle.cost_ratio() < 0.6 && angle.pilot.gain.is_some());
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub struct Multifidelity<'p, Src, F, G> {

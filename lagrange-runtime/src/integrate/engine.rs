@@ -407,12 +407,16 @@ where
         (self.across[0], self.approach) = (end.across, end.approach);
     }
 
-    /// The next step, if there is one left.
+    /// The next step, if there is one left. If it is `unseen`, nobody asks for its interpolant.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn step(&mut self, system: &Sys) -> Result<Option<Step<Sys, M, N>>, Failure<Sys::Scalar>> {
+    pub fn step(
+        &mut self,
+        system: &Sys,
+        unseen: bool,
+    ) -> Result<Option<Step<Sys, M, N>>, Failure<Sys::Scalar>> {
         let equal = matches!(self.controller.first_step(), FirstStep::Fixed(_));
         if Self::EQUAL && (!Self::ADAPTIVE || equal) {
-            self.fixed_step(system)
+            self.fixed_step(system, unseen)
         } else {
             self.adaptive_step(system)
         }
@@ -525,13 +529,14 @@ where
     }
 
     /// One step of size `h`, or the failure that it met: a correction by the projection counts as `doubt` times as
-    /// long. `next` is the variable for what it hands on.
+    /// long. `next` is the variable for what it hands on, unless it is the `last` one.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn attempt(
         &mut self,
         system: &Sys,
         h: Sys::Scalar,
         doubt: f64,
+        last: bool,
         next: &mut Option<M::MethodState>,
     ) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
         let (Some(memory), Some(next)) = (&mut self.memory, next) else {
@@ -552,7 +557,7 @@ where
             });
         }
         let controller = &self.controller;
-        attempt(system, &self.method, memory, from, h, next, |correction, from, to| {
+        attempt(system, &self.method, memory, from, h, last, next, |correction, from, to| {
             tolerated(controller, &correction.scaled(Scalar::from_f64(doubt)), from, to)
         })
     }
@@ -569,7 +574,11 @@ where
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn fixed_step(&mut self, system: &Sys) -> Result<Option<Step<Sys, M, N>>, Failure<Sys::Scalar>> {
+    fn fixed_step(
+        &mut self,
+        system: &Sys,
+        unseen: bool,
+    ) -> Result<Option<Step<Sys, M, N>>, Failure<Sys::Scalar>> {
         if self.count >= self.total {
             return Ok(None);
         }
@@ -577,10 +586,12 @@ where
         let next = rules::next_time(self.count, self.total, self.h, self.origin, self.end);
         let h = if self.stopped { next - self.state.t } else { self.h };
         let mut next_memory = self.memory.as_ref().map(DoubleBuffer::variable);
+        // At the end inputs mostly change, so that what the step would hand on is not good for the next one.
+        let last = unseen && M::HAS_LAST_STEP && self.count + 1.0 >= self.total && self.across == [false; 2];
         // Without a tolerance the projection alone tells of a step over a position with dependent constraints.
         let mut doubt = if Self::DEPENDENT { DOUBT } else { 1.0 };
         let mut step = loop {
-            match self.attempt(system, h, doubt, &mut next_memory) {
+            match self.attempt(system, h, doubt, last, &mut next_memory) {
                 Ok(step) => break step,
                 Err(failure) if Self::DEPENDENT && !self.across[1] => {
                     if !self.sets_out_across(system, h)? {
@@ -599,10 +610,15 @@ where
             self.count += 1.0;
             step.to.t = next;
         }
+        let last = last && !self.across[1];
         if Self::DEPENDENT && (self.across != [false; 2] || Sys::Scalar::SLOPES > 0) {
             self.gets_across(system, &step)?;
         }
-        Ok(Some(self.commit(step, next_memory)))
+        let step = self.commit(step, next_memory);
+        if last {
+            self.change(Status::Driven);
+        }
+        Ok(Some(step))
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -635,7 +651,7 @@ where
             if rules::is_tiny(self.h, self.longest) {
                 system.resolved(&self.start, &self.state)?;
             }
-            let mut attempted = self.attempt(system, h, 1.0, &mut next_memory);
+            let mut attempted = self.attempt(system, h, 1.0, false, &mut next_memory);
             let step = match &mut attempted {
                 Ok(step) => step,
                 Err(failure) => {
@@ -842,12 +858,12 @@ where
 {
     let mut next = memory.clone();
     let tolerates = |correction: &_, from: &_, to: &_| tolerated(controller, correction, from, to);
-    let step = attempt(system, method, memory, from, h, &mut next, tolerates)?;
+    let step = attempt(system, method, memory, from, h, false, &mut next, tolerates)?;
     Ok((step, next))
 }
 
 /// A step whose end is finite, and on the constraints of the system, if there are any, by a correction that is
-/// tolerated. (Steps are large: it is looked at where it is.)
+/// tolerated. (Steps are large: it is looked at where it is.) The `last` one hands nothing on.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn attempt<Sys, M, const N: usize>(
     system: &Sys,
@@ -855,6 +871,7 @@ fn attempt<Sys, M, const N: usize>(
     memory: &M::MethodState,
     from: &State<Sys::Scalar, N>,
     h: Sys::Scalar,
+    last: bool,
     next: &mut M::MethodState,
     tolerates: impl Fn(&Tangent<Sys::Scalar, N>, &State<Sys::Scalar, N>, &State<Sys::Scalar, N>) -> bool,
 ) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>>
@@ -863,10 +880,14 @@ where
     Sys::Scalar: Real,
     M: Method<Sys, N>,
 {
-    let mut attempted = method.step(system, memory, from, h, next);
+    let mut attempted = if last {
+        method.last_step(system, memory, from, h, next)
+    } else {
+        method.step(system, memory, from, h, next)
+    };
     if let Ok(step) = &mut attempted {
         let sound = if step.to.is_finite() {
-            restore(system, method, step, next).and_then(|moved| match moved {
+            restore(system, method, step, (!last).then_some(next)).and_then(|moved| match moved {
                 Some((correction, constraint)) if !tolerates(&correction, &step.from, &step.to) => {
                     Err(Failure::ConstraintDrift { t: from.t, h, constraint })
                 }
@@ -895,13 +916,14 @@ pub(super) fn tolerated<S: Real, C: Controller<S, N, E>, E, const N: usize>(
 }
 
 /// Projects the end of a step onto the constraints of the system, if there are any, in place, since steps are large.
+/// In `next` is what the next one begins with.
 /// Returns the correction and the name of the constraint that was violated most.
 #[cfg_attr(not(debug_assertions), inline(always))]
 pub(super) fn restore<Sys, M, const N: usize>(
     system: &Sys,
     method: &M,
     step: &mut Step<Sys, M, N>,
-    next: &mut M::MethodState,
+    next: Option<&mut M::MethodState>,
 ) -> Result<Option<(Tangent<Sys::Scalar, N>, &'static str)>, Failure<Sys::Scalar>>
 where
     Sys: System<N>,
@@ -911,7 +933,9 @@ where
     let Some(Restored { state, constraint, .. }) = system.restored(&step.to)? else { return Ok(None) };
     let correction = state.minus(&step.to);
     step.to = state;
-    *next = method.start(system, &step.to)?;
-    step.evaluations += method.start_evaluations();
+    if let Some(next) = next {
+        *next = method.start(system, &step.to)?;
+        step.evaluations += method.start_evaluations();
+    }
     Ok(Some((correction, constraint)))
 }

@@ -10,6 +10,11 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 const BITS: usize = 160;
+
+/// Arguments of each range: `LAGRANGE_SAMPLES`, of which `.ci/full` takes many.
+fn samples() -> usize {
+    std::env::var("LAGRANGE_SAMPLES").map_or(500, |count| count.parse().expect("a number"))
+}
 const ROUNDING: RoundingMode = RoundingMode::ToEven;
 
 /// Exact values, and the numbers at which they are asked for.
@@ -92,7 +97,7 @@ fn angles(exact: &mut Exact, limit: f64, count: usize) -> Vec<f64> {
 
 fn sines_are_within<P: Policy>(limit: f64, bound: f64) {
     let exact = &mut Exact::new();
-    let angles = angles(exact, limit, 4000);
+    let angles = angles(exact, limit, 2 * samples());
     let worst = worst::<P>(exact, angles.into_iter());
     println!(
         "{} to {limit:e}: sin {:.3} ULP, cos {:.3} ULP",
@@ -180,9 +185,10 @@ fn kernel(
 ) {
     let exact = &mut Exact::new();
     let mut worst = [(0f64, 0.0, 0.0); 2];
+    let samples = samples();
     for range in ranges {
         let mut found = 0;
-        for _ in 0..1500 {
+        for _ in 0..samples {
             let [x, y] = range.map(|range| range.sample(exact));
             let values = kernels.map(|kernel| kernel(x, y));
             if !values.iter().all(|(_, good)| *good) {
@@ -198,7 +204,7 @@ fn kernel(
                 }
             }
         }
-        assert!(found > 700, "{name}: the kernel holds for {found} of 1500 only");
+        assert!(2 * found > samples - samples / 10, "{name}: the kernel holds for {found} of {samples} only");
     }
     let [fused, rounded] = worst;
     println!(
@@ -242,14 +248,14 @@ fn kernels_have_nearly_all_their_digits() {
         of_one!(exp2),
         |x, _, c| big(2.0).pow(x, BITS, ROUNDING, c),
         &[[Uniform(-1021.0, 1021.0), NONE], [Uniform(-2.0, 2.0), NONE], [Sizes(-60.0, 9.9), NONE]],
-        1.0,
+        1.1,
     );
     kernel(
         "exp_m1",
         of_one!(exp_m1),
         |x, _, c| x.exp(MORE, ROUNDING, c).sub(&one(), MORE, ROUNDING),
         &[[Uniform(-40.0, 708.0), NONE], [Uniform(-2.0, 2.0), NONE], [Sizes(-60.0, 9.4), NONE]],
-        1.7,
+        2.1,
     );
     kernel(
         "ln",
@@ -294,21 +300,21 @@ fn kernels_have_nearly_all_their_digits() {
             squares.sqrt(MORE, ROUNDING)
         },
         &[[Sizes(-400.0, 400.0), Sizes(-400.0, 400.0)], [Uniform(-1.0, 1.0), Uniform(-1.0, 1.0)]],
-        1.1,
+        1.3,
     );
     kernel(
         "tan",
         of_one!(tan),
         |x, _, c| x.tan(MORE, ROUNDING, c),
         &[[Uniform(-10.0, 10.0), NONE], [Uniform(-1e6, 1e6), NONE], [Sizes(-60.0, 19.9), NONE]],
-        3.0,
+        3.2,
     );
     kernel(
         "asin",
         of_one!(asin),
         |x, _, c| x.asin(MORE, ROUNDING, c),
         &[[Uniform(-1.0, 1.0), NONE], [Sizes(-60.0, 0.0), NONE]],
-        1.05,
+        1.6,
     );
     kernel(
         "acos",
@@ -337,49 +343,49 @@ fn kernels_have_nearly_all_their_digits() {
             }
         },
         &[[Uniform(-1.0, 1.0), Uniform(-1.0, 1.0)], [Sizes(-20.0, 20.0), Sizes(-20.0, 20.0)]],
-        1.2,
+        1.4,
     );
     kernel(
         "sinh",
         of_one!(sinh),
         |x, _, c| x.sinh(MORE, ROUNDING, c),
         &[[Uniform(-708.0, 708.0), NONE], [Uniform(-2.0, 2.0), NONE], [Sizes(-60.0, 9.4), NONE]],
-        2.0,
+        2.3,
     );
     kernel(
         "cosh",
         of_one!(cosh),
         |x, _, c| x.cosh(MORE, ROUNDING, c),
         &[[Uniform(-708.0, 708.0), NONE], [Uniform(-2.0, 2.0), NONE]],
-        1.3,
+        1.4,
     );
     kernel(
         "tanh",
         of_one!(tanh),
         |x, _, c| x.tanh(MORE, ROUNDING, c),
         &[[Uniform(-21.0, 21.0), NONE], [Uniform(-1.0, 1.0), NONE], [Sizes(-60.0, 4.0), NONE]],
-        1.8,
+        2.7,
     );
     kernel(
         "asinh",
         of_one!(asinh),
         |x, _, c| x.asinh(MORE, ROUNDING, c),
         &[[Uniform(-4.0, 4.0), NONE], [Sizes(-60.0, 400.0), NONE]],
-        1.4,
+        1.7,
     );
     kernel(
         "acosh",
         of_one!(acosh),
         |x, _, c| x.acosh(MORE, ROUNDING, c),
         &[[Uniform(1.0, 4.0), NONE], [Positive(0.0, 400.0), NONE], [Uniform(1.0, 1.001), NONE]],
-        1.5,
+        2.2,
     );
     kernel(
         "atanh",
         of_one!(atanh),
         |x, _, c| x.atanh(MORE, ROUNDING, c),
         &[[Uniform(-1.0, 1.0), NONE], [Sizes(-60.0, 0.0), NONE]],
-        1.7,
+        1.9,
     );
     kernel(
         "powf",
@@ -390,6 +396,6 @@ fn kernels_have_nearly_all_their_digits() {
             [Uniform(0.5, 2.0), Uniform(-1000.0, 1000.0)],
             [Positive(-1000.0, 1000.0), Uniform(-1.0, 1.0)],
         ],
-        0.8,
+        0.85,
     );
 }

@@ -146,6 +146,8 @@ pub struct $name;
                 Ok(Step { from: *from, to, h, error, stages, evaluations: $stages - 1 })
             }
 
+            tableaux! {@last_step $error $stages; $($i, $c => [$($a),*];)*}
+
             #[inline(always)]
             #[allow(unused_assignments, unused_variables, unused_mut)]
             fn interpolant(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Interpolant {
@@ -171,6 +173,36 @@ pub struct $name;
             ($check:ident) => { $( $check::<$name, $stages>(); )* };
         }
     };
+
+    // The last stage serves the next step and the interpolant alone, where no error is estimated.
+    (@last_step none $stages:literal; $($i:literal, $c:expr => [$($a:expr),*];)*) => {
+        const HAS_LAST_STEP: bool = true;
+
+        #[cfg_attr(not(debug_assertions), inline(always))]
+        #[allow(unused_assignments)]
+        fn last_step(
+            &self,
+            system: &Sys,
+            memory: &Self::MethodState,
+            from: &State<Sys::Scalar, N>,
+            h: Sys::Scalar,
+            _: &mut Self::MethodState,
+        ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
+            let mut k = [Tangent { q: from.qd, qd: *memory }; $stages];
+            let mut to = *from;
+            $({
+                let at = add!(from, h, k; $($a),*);
+                if $i < $stages - 1 {
+                    (to, k[$i]) = stage(system, from.t, h, exact!($c), at);
+                } else {
+                    to = State { t: from.t + h, q: at.q, qd: at.qd };
+                }
+            })*
+            let stages = [k[0].qd; 2];
+            Ok(Step { from: *from, to, h, error: NoEstimate, stages, evaluations: $stages - 2 })
+        }
+    };
+    (@last_step $error:ident $($rest:tt)*) => {};
 
     (@error_type none) => { NoEstimate };
     (@error_type embedded) => { Tangent<Sys::Scalar, N> };

@@ -71,6 +71,7 @@ const DECAYED: f64 = 1e-6;
 ///     system Driven {
 ///         coord x;
 ///         T = 0.5 * dot(x).powi(2);
+///         V = 0;
 ///         Q[x] = if t > 5 && t < 10 { 1 } else { 0 };
 ///     }
 /// }

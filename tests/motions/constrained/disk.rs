@@ -177,6 +177,7 @@ fn off(wheel: &Wheel, at: &State<f64, 5>, digits: &Digits) -> f64 {
 }
 
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn wobbles_by_legendre_functions() {
     for (wheel, start, digits) in wobbles() {
         // Rates of 240/s for a wobble of 80/s, and their phase, in the coin.

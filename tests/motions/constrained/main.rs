@@ -20,6 +20,7 @@ use std::f64::consts::PI;
 use systems::*;
 
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn a_bicycle() {
     bicycle::main().unwrap();
 }

@@ -208,6 +208,7 @@ fn multipliers_are_those_of_least_norm_from_every_guess() {
 /// On `c = a, b = 0` V is `2 g sin a`, on `a = 0, b = c` 1.2 g sin c, and on `c = π, b = a ± π` 0.8 g sin a. Some
 /// starts end where it is flat.
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn a_search_over_a_box_goes_on_from_starts_that_fail() {
     let all = equilibria(&Rhombus::default(), &[-3.2; 3], &[3.2; 3], 400).unwrap();
     let mut exact = Vec::new();

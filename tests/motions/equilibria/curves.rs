@@ -151,6 +151,7 @@ const STEPS: [f64; 4] = [0.01, 0.07, 0.2, 0.5];
 /// An imperfection e moves the pitchfork off the curve from x(−1) on, which has no bifurcation at all, however small
 /// e is.
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn imperfect_pitchforks_are_none() {
     for e in [1e-1, 1e-3, 1e-6, 1e-9, -1e-12] {
         for step in STEPS {
@@ -165,6 +166,7 @@ fn imperfect_pitchforks_are_none() {
 
 /// At the step sizes of all tests a pitchfork is a pitchfork, from the straight curve and from the bent one.
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn a_pitchfork_at_every_step_size() {
     let family = |mu| Imperfect { mu, e: Dual::constant(0.0) };
     for k in 0..60 {
@@ -214,6 +216,7 @@ fn the_curves_aside_of_branch_points() {
 
 /// Stiffnesses of 1e12 and 1e-12 beside it change nothing.
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn a_pitchfork_beside_stiff_springs() {
     for k in [1e-6, 1.0, 1e6, 1e12] {
         for step in STEPS {
@@ -234,6 +237,7 @@ fn a_pitchfork_beside_stiff_springs() {
 
 /// Both eigenvalues of K vanish at μ = 0: of the round potential, along all directions.
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn double_branch_points() {
     for b in [1.0, 0.4, 0.0, -0.3, 2.5] {
         for step in STEPS {
@@ -251,6 +255,7 @@ fn double_branch_points() {
 
 /// Equilibria aside of the round potential form a surface, at whose apex the curve meets the straight one.
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn a_surface_of_equilibria() {
     for k in 0..40 {
         let step = 0.01 * 1.1f64.powi(k);
@@ -459,6 +464,7 @@ lagrangian! {
 /// However small the quadratic term is beside the cubic one, the curves cross from one side to the other, with a fold
 /// at x = −a/2b.
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn a_small_quadratic_term_is_no_pitchfork() {
     for step in [0.013, 0.1] {
         for (a, b) in

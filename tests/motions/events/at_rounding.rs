@@ -119,6 +119,7 @@ where
 }
 
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn no_ball_falls_through_its_ground() {
     let mut least = usize::MAX;
     for floor in [0.0, 1.0, -0.3] {
@@ -156,6 +157,7 @@ fn no_ball_falls_through_its_ground() {
 
 /// Impacts on the parabola y = x² / 2, with what is left of the velocities along and across it.
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn no_ball_falls_through_a_hollow() {
     let ball = ball(0.0);
     for restitution in [0.1, 0.5, 0.8] {

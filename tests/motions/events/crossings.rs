@@ -639,6 +639,7 @@ lagrangian! {
 
 /// cos ωt has its zeros at (k + ½)π/ω, however long the step is.
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn all_zeros_within_one_long_exact_step() {
     for [slow, fast, c, scale] in
         [[1.0, 1.0, 0.0, 1.0], [1.0, 20.0, 0.0, 1e-6], [0.1, 5.0, 1e8, 1e6], [30.0, 2.0, 0.0, 1e9]]
@@ -908,6 +909,7 @@ fn what_is_passed_at_an_impact_is_told_once() {
 /// A mass under a constant force passes the place and the speed of a stop at one time, within some roundings: both are
 /// met by a stepper that goes on, and by a run that is restarted.
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn a_place_and_a_speed_at_one_time_are_both_met() {
     struct Push(f64);
     impl System<1> for Push {

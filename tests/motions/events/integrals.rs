@@ -92,6 +92,7 @@ fn integrands_with_kinks_and_jumps() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn integrands_that_are_not_finite_or_too_rough() {
     let start = State::new(0.0, [1.0], [0.0]);
     let oscillator = Oscillator::new(1.0);

@@ -178,6 +178,7 @@ fn stiffness_has_to_be_told() {
 }
 
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn long_runs_keep_energy_and_accurate_ones_the_tolerance() {
     let system = TwoPendulums::new(1.0);
     let energy = system.energy_function_at(&DOUBLE);

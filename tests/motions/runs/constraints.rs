@@ -147,6 +147,7 @@ fn jumps_agree() {
 
 /// 10⁴ periods of small oscillations, at each step.
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn constraints_hold_for_long() {
     let (free, angles) = pendula();
     let start = cartesian(&angles, &State::new(0.0, [0.2, 0.3], [0.0, 0.0]));
@@ -310,6 +311,7 @@ where
 }
 
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn constraints_that_become_dependent_are_passed_or_named() {
     // The third was wrong by Verner9.
     for tolerance in [1e-6, 1.234e-7, 7.073332279644438e-9, 3.556480306223121e-9, 1e-10] {

@@ -148,6 +148,7 @@ lagrangian! {
 /// A million samples use no budget up: that of a call is the number that is given, and the default is for the time
 /// between two samples.
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn samples_are_no_sign_of_stiffness() {
     let start = State::new(0.0, [1.0], [0.0]);
     let carriage = || {

@@ -109,6 +109,7 @@ where
 }
 
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn a_spring_on_one_side_costs_no_energy() {
     by_every_method!(bounces);
 }
@@ -366,6 +367,7 @@ lagrangian! {
 /// fall into it alone. Hard discs exchange the velocities along the line between their centres; soft ones differ by
 /// as much as they overlap.
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn no_contact_after_free_motion_is_stepped_over() {
     let k = 1e6;
     let system = Discs::new(k);
@@ -422,6 +424,7 @@ where
 }
 
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn light_touches_are_met() {
     by_every_method!(touches);
 }
@@ -496,6 +499,7 @@ fn a_switch_that_is_only_come_to_holds_no_run_up() {
 /// The same for the series, whose first terms are rounding there, and for starts that are apart from the switch by
 /// rounding alone.
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn a_switch_without_velocity_is_no_sliding() {
     for k in [11.220184543019636f64, 12.302687708123818, 398.1071705534973] {
         let (above, w) = (Above::new(k, 0.0), k.sqrt());
@@ -592,6 +596,7 @@ where
 }
 
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn friction_that_clearly_holds_is_named_in_time() {
     by_every_method!(holds);
 }
@@ -684,6 +689,7 @@ fn kinks_are_followed(systems: u64) {
 }
 
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn random_systems_with_kinks() {
     kinks_are_followed(60);
 }

@@ -34,6 +34,7 @@ pub fn with_stack(f: impl FnOnce() + Send + 'static) {
 }
 
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn all_frequencies_of_two_hundred_masses() {
     with_stack(|| {
         let (m, k) = (0.7, 3.1);

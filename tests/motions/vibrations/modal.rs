@@ -31,6 +31,7 @@ where
 
 /// Standing waves of 200 masses between springs: x_i = Σ aⱼ sin(j i π / 201) cos ωⱼ t, ωⱼ = 2 √(k/m) sin(j π / 402).
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn four_of_two_hundred_modes() {
     with_stack(|| {
         let (m, k) = (0.7, 3.1);

@@ -181,6 +181,7 @@ fn lyapunov_exponents_of_a_damped_oscillator() {
 
 /// The same number, within the errors that both methods state.
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn two_methods_agree_about_the_chaos_of_the_double_pendulum() {
     let pendulum = DoublePendulum::new(0.7, 0.4, 0.8, 0.6, 9.81);
     let start = State::new(0.0, [2.0, 2.4], [0.0; 2]);
@@ -214,6 +215,7 @@ lagrangian! {
 
 /// The largest exponent is the first one, whichever block of coordinates it belongs to.
 #[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
 fn lyapunov_exponents_of_blocks_are_sorted() {
     let system = BesideChaos::new();
     let rate = (1.0f64 / 3.0).sqrt();

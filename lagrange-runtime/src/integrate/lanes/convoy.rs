@@ -812,7 +812,7 @@ where
         pack: &mut PackOf<Sys, M, C, P, A, W::Accumulator, N>,
         step: &mut StepOf<Sys, M, P, A, N>,
     ) {
-        match restore(&pack.system, self.method, step, pack.memories.of_step(&mut pack.variable).1) {
+        match restore(&pack.system, self.method, step, Some(pack.memories.of_step(&mut pack.variable).1)) {
             Ok(None) => {}
             Ok(Some((correction, _))) => {
                 let alone = self.controller.alone();

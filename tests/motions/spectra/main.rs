@@ -1,8 +1,6 @@
 //! Eigenvalues of random linear systems against 600 digits.
 
-#[path = "spectra/exact.rs"]
 mod exact;
-#[path = "spectra/systems.rs"]
 mod systems;
 
 use lagrange_runtime::analysis::*;
@@ -18,7 +16,7 @@ struct Found {
     /// Roots whose bound is larger, and the largest part of its bound that such a root is off by.
     lost: usize,
     part: f64,
-    /// By how much of its bound a root moves when the matrices are rounded.
+    /// The part of its bound by which a root moves when the matrices are rounded.
     moved: f64,
     unlike: Vec<String>,
 }
