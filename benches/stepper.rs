@@ -117,8 +117,8 @@ fn arm_loop(mut arm: Arm, start: State<f64, 7>, h: f64, steps: usize) -> State<f
 }
 
 fn arm_stepper(arm: Arm, start: State<f64, 7>, h: f64, steps: usize) -> Result<State<f64, 7>, Failure> {
-    let mut stepper = Stepper::new(arm, Rk4, FixedStep::new(h), start)
-        .every(h, |state, tau| *tau = torques(&arm, state));
+    let mut stepper =
+        Stepper::new(arm, Rk4, FixedStep::new(h), start).every(h, |state, tau| *tau = torques(&arm, state));
     stepper.advance_to(h * steps as f64)?;
     println!("{:?}", stepper.statistics());
     Ok(*stepper.state())

@@ -208,7 +208,7 @@ where
         if let Status::Failed(_) = self.engine.status {
             return None;
         }
-        match self.engine.begin(self.system).and_then(|()| self.engine.step(self.system, false)) {
+        match self.engine.begin(self.system).and_then(|()| self.engine.step::<false>(self.system)) {
             Ok(step) => step.map(Ok),
             Err(failure) => {
                 let failure = self.engine.explained(self.system, failure);

@@ -407,16 +407,16 @@ where
         (self.across[0], self.approach) = (end.across, end.approach);
     }
 
-    /// The next step, if there is one left. If it is `unseen`, nobody asks for its interpolant.
+    /// The next step, if there is one left. If it is `UNSEEN`, nobody asks for its interpolant. (A constant, by which
+    /// rustc compiles one of two steps.)
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub fn step(
+    pub fn step<const UNSEEN: bool>(
         &mut self,
         system: &Sys,
-        unseen: bool,
     ) -> Result<Option<Step<Sys, M, N>>, Failure<Sys::Scalar>> {
         let equal = matches!(self.controller.first_step(), FirstStep::Fixed(_));
         if Self::EQUAL && (!Self::ADAPTIVE || equal) {
-            self.fixed_step(system, unseen)
+            self.fixed_step::<UNSEEN>(system)
         } else {
             self.adaptive_step(system)
         }
@@ -531,7 +531,7 @@ where
     /// One step of size `h`, or the failure that it met: a correction by the projection counts as `doubt` times as
     /// long. `next` is the variable for what it hands on, unless it is the `last` one.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn attempt(
+    fn attempt<const UNSEEN: bool>(
         &mut self,
         system: &Sys,
         h: Sys::Scalar,
@@ -557,9 +557,18 @@ where
             });
         }
         let controller = &self.controller;
-        attempt(system, &self.method, memory, from, h, last, next, |correction, from, to| {
-            tolerated(controller, &correction.scaled(Scalar::from_f64(doubt)), from, to)
-        })
+        attempt::<_, _, UNSEEN, N>(
+            system,
+            &self.method,
+            memory,
+            from,
+            h,
+            last,
+            next,
+            |correction, from, to| {
+                tolerated(controller, &correction.scaled(Scalar::from_f64(doubt)), from, to)
+            },
+        )
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -574,10 +583,9 @@ where
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn fixed_step(
+    fn fixed_step<const UNSEEN: bool>(
         &mut self,
         system: &Sys,
-        unseen: bool,
     ) -> Result<Option<Step<Sys, M, N>>, Failure<Sys::Scalar>> {
         if self.count >= self.total {
             return Ok(None);
@@ -587,11 +595,11 @@ where
         let h = if self.stopped { next - self.state.t } else { self.h };
         let mut next_memory = self.memory.as_ref().map(DoubleBuffer::variable);
         // At the end inputs mostly change, so that what the step would hand on is not good for the next one.
-        let last = unseen && M::HAS_LAST_STEP && self.count + 1.0 >= self.total && self.across == [false; 2];
+        let last = UNSEEN && M::HAS_LAST_STEP && self.count + 1.0 >= self.total && self.across == [false; 2];
         // Without a tolerance the projection alone tells of a step over a position with dependent constraints.
         let mut doubt = if Self::DEPENDENT { DOUBT } else { 1.0 };
         let mut step = loop {
-            match self.attempt(system, h, doubt, last, &mut next_memory) {
+            match self.attempt::<UNSEEN>(system, h, doubt, last, &mut next_memory) {
                 Ok(step) => break step,
                 Err(failure) if Self::DEPENDENT && !self.across[1] => {
                     if !self.sets_out_across(system, h)? {
@@ -651,7 +659,7 @@ where
             if rules::is_tiny(self.h, self.longest) {
                 system.resolved(&self.start, &self.state)?;
             }
-            let mut attempted = self.attempt(system, h, 1.0, false, &mut next_memory);
+            let mut attempted = self.attempt::<false>(system, h, 1.0, false, &mut next_memory);
             let step = match &mut attempted {
                 Ok(step) => step,
                 Err(failure) => {
@@ -858,14 +866,14 @@ where
 {
     let mut next = memory.clone();
     let tolerates = |correction: &_, from: &_, to: &_| tolerated(controller, correction, from, to);
-    let step = attempt(system, method, memory, from, h, false, &mut next, tolerates)?;
+    let step = attempt::<_, _, false, N>(system, method, memory, from, h, false, &mut next, tolerates)?;
     Ok((step, next))
 }
 
 /// A step whose end is finite, and on the constraints of the system, if there are any, by a correction that is
 /// tolerated. (Steps are large: it is looked at where it is.) The `last` one hands nothing on.
 #[cfg_attr(not(debug_assertions), inline(always))]
-fn attempt<Sys, M, const N: usize>(
+fn attempt<Sys, M, const UNSEEN: bool, const N: usize>(
     system: &Sys,
     method: &M,
     memory: &M::MethodState,
@@ -880,7 +888,7 @@ where
     Sys::Scalar: Real,
     M: Method<Sys, N>,
 {
-    let mut attempted = if last {
+    let mut attempted = if UNSEEN && M::HAS_LAST_STEP && last {
         method.last_step(system, memory, from, h, next)
     } else {
         method.step(system, memory, from, h, next)

@@ -294,7 +294,7 @@ where
     #[inline]
     pub fn step(&mut self) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
         self.allow(self.max_steps);
-        self.go(None, false)
+        self.go::<false>(None)
     }
 
     /// Goes forward to the time t exactly: afterwards `state().t == t`. Control laws with a sampling instant at t are
@@ -413,7 +413,7 @@ where
 
     fn arrive(&mut self, t: Sys::Scalar) -> Result<(), Failure<Sys::Scalar>> {
         while !self.has_reached(t)? {
-            self.go(Some(t), true)?;
+            self.go::<true>(Some(t))?;
         }
         self.act()
     }
@@ -452,14 +452,13 @@ where
         self.engine.towards(&self.system, end)
     }
 
-    /// Takes a step towards the target. If it is `unseen`, nobody asks for its interpolant.
+    /// Takes a step towards the target. If it is `UNSEEN`, nobody asks for its interpolant.
     #[inline(always)]
-    fn go(
+    fn go<const UNSEEN: bool>(
         &mut self,
         target: Option<Sys::Scalar>,
-        unseen: bool,
     ) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
-        let step = self.begin(target).and_then(|()| self.engine.step(&self.system, unseen));
+        let step = self.begin(target).and_then(|()| self.engine.step::<UNSEEN>(&self.system));
         match step {
             Ok(Some(step)) => Ok(step),
             Ok(None) => Err(Failure::BadEnd { end: self.engine.end }),
@@ -591,7 +590,7 @@ where
         self.step_end = None;
         let step = match self.stepper.has_reached(self.end) {
             Ok(true) => return None,
-            Ok(false) => self.stepper.go(Some(self.end), false),
+            Ok(false) => self.stepper.go::<false>(Some(self.end)),
             Err(failure) => Err(failure),
         };
         self.failure = step.as_ref().err().copied();
