@@ -103,7 +103,7 @@
 use crate::controller::Controller;
 use crate::failed::Failed;
 use crate::failure::Failure;
-use crate::integrate::{Drive, Left, Number, Run, Side, Sides, Statistics};
+use crate::integrate::{Drive, Number, Run, Statistics};
 use crate::method::{Method, Step};
 use crate::scalar::{Real, Scalar};
 use crate::state::State;
@@ -112,6 +112,7 @@ use landing::{Landing, Outlook, Progress};
 use locate::{Stepped, approached, land, on_interpolant, outline};
 use outline::Outline;
 use search::Search;
+use sides::{Left, Side, Sides};
 
 pub(crate) mod definition;
 pub(crate) mod landing;
@@ -120,6 +121,7 @@ pub(crate) mod outline;
 pub(crate) mod root;
 pub(crate) mod scan;
 pub(crate) mod search;
+pub(crate) mod sides;
 pub(crate) mod within;
 
 pub use crate::quadrature::{Integrals, Total};

@@ -15,7 +15,6 @@ use engine::Status;
 #[cfg(feature = "std")]
 pub use sampled::ControlLaw;
 pub use sampled::{Control, Every};
-pub use sides::{Left, Side, Sides};
 #[cfg(feature = "std")]
 pub use stepper::SampledStepper;
 pub use stepper::{Advance, Stepper, Stretch};
@@ -290,7 +289,6 @@ pub(crate) mod lanes;
 mod memories;
 mod rules;
 mod sampled;
-mod sides;
 mod stepper;
 mod switches;
 #[cfg(test)]

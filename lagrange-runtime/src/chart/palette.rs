@@ -1,6 +1,5 @@
 //! How series are told apart: by colour, by dashes and by markers, so that any one of the three is enough.
 
-use super::cells::shades;
 use super::series::{Series, Style};
 use plotters::style::RGBColor;
 
@@ -120,6 +119,23 @@ fn look(index: usize) -> Look {
     }
 }
 
+/// Colours of that many kinds of cells, from light to dark, so that their order shows in grey as well.
+fn shades(count: usize) -> impl Iterator<Item = RGBColor> {
+    // Evenly bright steps of ColorBrewer's YlGnBu (Harrower and Brewer, *The Cartographic Journal* 40, 2003).
+    const SHADES: [[u8; 3]; 5] =
+        [[0xFF, 0xF3, 0xB0], [0xA1, 0xDA, 0xB4], [0x41, 0xB6, 0xC4], [0x2C, 0x7F, 0xB8], [0x25, 0x34, 0x94]];
+    (0..count).map(move |index| {
+        let along = 4.0 * index as f64 / (count.max(2) - 1) as f64;
+        let before = (along as usize).min(3);
+        let by = along - before as f64;
+        let [r, g, b] = [0, 1, 2].map(|i| {
+            let [from, to] = [SHADES[before][i], SHADES[before + 1][i]].map(f64::from);
+            (from + by * (to - from)).round() as u8
+        });
+        RGBColor(r, g, b)
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -137,6 +153,16 @@ mod tests {
             assert!(looks[..i].iter().all(|b| a != b), "{i}");
             // Eight shapes, filled and open: told apart in grey as well.
             assert!(looks[..i].iter().all(|b| (a.marker, a.open) != (b.marker, b.open)), "{i}");
+        }
+    }
+
+    #[test]
+    fn shades_become_darker() {
+        let light =
+            |RGBColor(r, g, b): RGBColor| 299 * u32::from(r) + 587 * u32::from(g) + 114 * u32::from(b);
+        for count in 1..9 {
+            let lights: Vec<u32> = shades(count).map(light).collect();
+            assert!(lights.windows(2).all(|pair| pair[0] > pair[1] + 10_000), "{lights:?}");
         }
     }
 }

@@ -3,8 +3,8 @@
 
 use super::outline::Seen;
 use super::root::{self, first_zero, sign};
+use super::sides::Side;
 use super::{Direction, EventKind};
-use crate::integrate::Side;
 use crate::scalar::Functions;
 
 /// The largest distance from the ends of a step that is close to them, as a fraction of the step.

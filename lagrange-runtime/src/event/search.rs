@@ -5,9 +5,9 @@ use super::definition::Bound;
 use super::landing::{Landing, Outlook, ROUNDINGS};
 use super::outline::Outline;
 use super::scan::{Found, Grid, Scan};
+use super::sides::Side;
 use super::within::Within;
 use crate::failure::Failure;
-use crate::integrate::Side;
 use crate::scalar::Real;
 use crate::state::{State, add_scaled};
 

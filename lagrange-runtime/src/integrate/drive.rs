@@ -4,8 +4,8 @@
 use super::Statistics;
 use super::engine::Engine;
 use super::memories::DoubleBuffer;
-use super::sides::Sides;
 use crate::controller::Controller;
+use crate::event::sides::Sides;
 use crate::failed::Failed;
 use crate::failure::Failure;
 use crate::method::{Method, Step};

@@ -6,8 +6,8 @@ use super::engine::{Engine, Status, StepEnd, admitted};
 #[cfg(feature = "std")]
 use super::sampled::ControlLaw;
 use super::sampled::{Control, Every, coincide, reached};
-use super::sides::{KEPT, Sides};
 use crate::controller::{Controller, FirstStep};
+use crate::event::sides::{KEPT, Sides};
 use crate::event::{EventSet, Events};
 use crate::failure::{Failure, Requirement};
 use crate::input::Inputs;
