@@ -20,6 +20,10 @@
 //! | Where do neighbours go? | [`fundamental_matrix`] by [`ByVariationalEquations`] or [`ByGradients`], [`sensitivity`] |
 //! | Is it chaotic? | [`lyapunov_spectrum`], [`lyapunov_by_two_trajectories`]; sections by [`Run::events`](crate::Run::events) |
 //!
+//! Units are those that the system is written in. Documentation names SI units: a frequency or a rate in rad/s is one
+//! in rad per unit of t. Vectors have the order of the coordinates ([`Facts::coordinates`](crate::Facts::coordinates)),
+//! and q above q̇ where they have both.
+//!
 //! Where coordinates are not independent, everything is in minimal coordinates of what the constraints admit
 //! ([`SmallMotion::basis`]), but for [`follow`], which has their multipliers beside the coordinates.
 //!

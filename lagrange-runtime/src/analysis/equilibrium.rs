@@ -48,10 +48,11 @@ use nalgebra::{DMatrix, DVector, SVector};
 pub struct Equilibrium<const N: usize> {
     /// Coordinates.
     pub q: SVector<f64, N>,
-    /// Multipliers λ of the constraints, whose generalized forces are `Aᵀ λ`, of least norm where constraints follow
-    /// from others; empty where there are none.
+    /// Multipliers λ of the constraints, in the order of [`Facts::constraints`](crate::Facts::constraints); their
+    /// generalized forces are `Aᵀ λ`. They are of least norm where constraints follow from others; empty where there
+    /// are none.
     pub multipliers: DVector<f64>,
-    /// Largest generalized force that is left, by rounding.
+    /// Largest generalized force that is left, by rounding: in N of a length, in N m of an angle.
     pub residual: f64,
     /// Small motions about it.
     pub small: SmallMotion,

@@ -9,7 +9,7 @@ use std::fmt;
 pub enum AnalysisError {
     /// The given configuration is no equilibrium.
     NotEquilibrium {
-        /// The largest generalized force that is left, `max |b − f|` at rest.
+        /// The largest generalized force that is left, `max |b − f|` at rest, in the unit of that force.
         residual: f64,
         /// Its coordinate.
         coordinate: Coordinate,
@@ -64,7 +64,7 @@ pub enum AnalysisError {
     },
     /// Small motions leave the equilibrium, or gyroscopic forces alone hold them.
     Unstable {
-        /// The least ω² of the modes, negative.
+        /// The least ω² of the modes, negative, in 1/s².
         square: f64,
     },
     /// The coordinates are not independent, and this function needs them to be, or the type does not implement
@@ -101,7 +101,7 @@ pub enum AnalysisError {
     },
     /// Gyroscopic forces: the modes of M and K alone are not those of the system.
     Gyroscopic {
-        /// Largest entry of the antisymmetric part of the damping matrix.
+        /// Largest entry of the antisymmetric part of C.
         largest: f64,
     },
     /// A matrix, state or force is infinite or not a number.
@@ -122,7 +122,7 @@ pub enum AnalysisError {
     },
     /// A generalized force is left that no displacement changes: the system, or a part of it, is pushed and not held.
     Unbalanced {
-        /// The force.
+        /// The generalized force, or, of an operating point, the acceleration.
         force: f64,
         /// Its coordinate.
         coordinate: Coordinate,
@@ -132,7 +132,7 @@ pub enum AnalysisError {
     Running {
         /// Its name.
         state: &'static str,
-        /// Its rate.
+        /// Its rate, in its unit per unit of t.
         rate: f64,
     },
     /// The search for a periodic orbit ended at an equilibrium, which has every period and is none.
@@ -156,7 +156,7 @@ pub enum AnalysisError {
     },
     /// Driven at a natural frequency without damping, or singular stiffness at rest: the response is infinite.
     Resonance {
-        /// The driving frequency.
+        /// The driving angular frequency, in rad/s.
         omega: f64,
     },
     /// A trajectory failed.

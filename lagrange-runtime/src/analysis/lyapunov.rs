@@ -10,7 +10,7 @@ use crate::state::{State, Tangent};
 use crate::system::System;
 use nalgebra::{DMatrix, SVector};
 
-/// A mean rate and its statistical error.
+/// A mean rate and its statistical error, in 1/s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exponent {
     /// The mean.
@@ -23,9 +23,10 @@ pub struct Exponent {
 /// How a Lyapunov exponent is measured.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measurement {
-    /// Time that is run before, until the motion has forgotten its start and the deviations their directions.
+    /// Time that is run before, in units of t and whole intervals, rounded up, until the motion has forgotten its start
+    /// and the deviations their directions.
     pub transient: f64,
-    /// Time between two normalisations of the deviations.
+    /// Time between two normalisations of the deviations, in units of t.
     pub interval: f64,
     /// How many intervals count; rounded up to a multiple of 20.
     pub intervals: u32,
@@ -136,9 +137,9 @@ pub fn lyapunov_spectrum<Flow: TangentFlow<N>, const N: usize>(
     Ok(all)
 }
 
-/// The largest Lyapunov exponent from two trajectories, the second brought back to the distance `separation` from the
-/// first after each interval (Benettin, Galgani and Strelcyn, *Phys. Rev. A* 14, 1976). It needs the accelerations
-/// alone; its method and controller are those of [`integrate`].
+/// The largest Lyapunov exponent from two trajectories, the second brought back to the distance `separation`,
+/// `√(|δq|² + |δq̇|²)` in the units of the system, from the first after each interval (Benettin, Galgani and Strelcyn,
+/// *Phys. Rev. A* 14, 1976). It needs the accelerations alone; its method and controller are those of [`integrate`].
 ///
 /// # Hypotheses
 /// - Those of [`lyapunov_spectrum`] on the measurement.

@@ -116,13 +116,13 @@ impl Shapes {
 /// projection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Remainder<const N: usize> {
-    /// Deviations of the coordinates.
+    /// Deviations of the coordinates of the whole system.
     pub q: SVector<f64, N>,
-    /// Velocities.
+    /// Deviations of their velocities.
     pub qd: SVector<f64, N>,
-    /// Energy of the modes that are left out, `½ Σ (ξ̇ₖ² + ωₖ² ξₖ²)`.
+    /// Energy of the modes that are left out, `½ Σ (ξ̇ₖ² + ωₖ² ξₖ²)`, in J.
     pub energy: f64,
-    /// Energy of all modes in the deviation from the equilibrium, that of the remainder included.
+    /// Energy of all modes in the deviation from the equilibrium, that of the remainder included, in J.
     pub whole: f64,
 }
 
@@ -306,26 +306,26 @@ impl<Sys, const WHOLE: usize, const R: usize, const K: usize> ModalModel<Sys, WH
         &self.place
     }
 
-    /// Φ: the shapes of the modes that are kept, `Φᵀ M Φ = 1`.
+    /// Φ: the shapes of the modes that are kept, a column for each, `Φᵀ M Φ = 1`.
     pub fn shapes(&self) -> &SMatrix<f64, WHOLE, R> {
         &self.shapes
     }
 
-    /// Angular frequencies ωₖ of the modes that are kept, without damping; 0 of rigid ones.
+    /// Angular frequencies ωₖ of the modes that are kept, without damping, in rad/s; 0 of rigid ones.
     pub fn frequencies(&self) -> [f64; R] {
         self.kept.map(|k| self.all.squares[k].sqrt())
     }
 
-    /// The lowest angular frequency that is left out: inputs and loads have to be slower. `None` if all modes are
-    /// kept. One that a mode which is kept has, too, says that the pair was split: such modes belong together, since
-    /// any combination of them is a mode, and the smallest change of the system turns one into another.
+    /// The lowest angular frequency that is left out, in rad/s: inputs and loads have to be slower. `None` if no mode
+    /// is left out. One that a mode which is kept has, too, says that the pair was split: such modes belong together,
+    /// since any combination of them is a mode, and the smallest change of the system turns one into another.
     pub fn left_out(&self) -> Option<f64> {
         self.all.others(&self.kept).next().map(|k| self.all.squares[k].sqrt())
     }
 
     /// The largest amplitude, to first order, of a mode that is left out beside one that is kept, which moves it by
-    /// damping and gyroscopic terms: `|cₗₖ s| / |ωₗ² − ωₖ² + i cₗₗ s|` with `c = φₗᵀ C φₖ` and `s = ωₖ`, or `cₖₖ` of a
-    /// rigid mode, which these slow down. 0 where C is diagonal in modes, as with Rayleigh's damping; what is not
+    /// damping and gyroscopic terms: `|cₗₖ s| / |ωₗ² − ωₖ² + i cₗₗ s|` with `cₗₖ = φₗᵀ C φₖ` and `s = ωₖ`, or `cₖₖ` of
+    /// a rigid mode, which these slow down. 0 where C is diagonal in modes, as with Rayleigh's damping; what is not
     /// small beside 1 says that the modes belong together.
     pub fn coupling(&self) -> f64 {
         let Shapes { squares, damping, .. } = &self.all;

@@ -44,7 +44,7 @@ pub struct LinearModel<const N: usize> {
 }
 
 impl<const N: usize> LinearModel<N> {
-    /// The system of these equations.
+    /// The system of these equations, in the n = N coordinates of [`SmallMotion::names`].
     ///
     /// # Errors
     /// [`AnalysisError::Dimension`] unless there are N coordinates.

@@ -130,12 +130,13 @@ impl Modes {
         self.omega2.is_empty()
     }
 
-    /// Squares ωₖ² of the natural frequencies, in increasing order; negative where the equilibrium is unstable.
+    /// Squares ωₖ² of the natural frequencies, in rad²/s² and increasing order; negative where the equilibrium is
+    /// unstable.
     pub fn squares(&self) -> &[f64] {
         &self.omega2
     }
 
-    /// Natural angular frequency ωₖ: 0 of a rigid mode, NaN of an unstable one.
+    /// Natural angular frequency ωₖ, in rad/s: 0 of a rigid mode, NaN of an unstable one.
     pub fn frequency(&self, k: usize) -> f64 {
         self.omega2[k].sqrt()
     }
@@ -155,24 +156,25 @@ impl Modes {
         if size == 0.0 { error.sqrt() } else { error / (size.sqrt() + (size + error).sqrt()) }
     }
 
-    /// φₖ, mass-normalised.
+    /// φₖ, mass-normalised (`φₖᵀ M φₖ = 1`), with an entry for each coordinate.
     pub fn normalized(&self, k: usize) -> DVector<f64> {
         self.shapes.column(k).into_owned()
     }
 
-    /// φₖ with 1 as its largest entry.
+    /// φₖ with 1 as its largest entry, in the units of the coordinates.
     pub fn shape(&self, k: usize) -> DVector<f64> {
         let shape = self.normalized(k);
         let largest = shape[leading(&shape)];
         shape / largest
     }
 
-    /// `φ[i] / φ[j]` in mode k.
+    /// `φ[i] / φ[j]` of the coordinates i and j in mode k.
     pub fn amplitude_ratio(&self, k: usize, i: usize, j: usize) -> f64 {
         self.shapes[(i, k)] / self.shapes[(j, k)]
     }
 
-    /// Normal coordinates `ξₖ = φₖᵀ M δq` of a deviation; the same of velocities.
+    /// Normal coordinates `ξₖ = φₖᵀ M δq` of a deviation, one for each mode; the same of velocities. ξ has the unit of
+    /// q times the root of that of M (m kg^½).
     ///
     /// # Errors
     /// [`AnalysisError::Dimension`].
@@ -181,7 +183,7 @@ impl Modes {
         Ok(self.weighted.tr_mul(deviation))
     }
 
-    /// The deviation `δq = Σ φₖ ξₖ` with these normal coordinates.
+    /// The deviation `δq = Σ φₖ ξₖ` with these normal coordinates, one for each mode.
     ///
     /// # Errors
     /// [`AnalysisError::Dimension`].
@@ -190,9 +192,9 @@ impl Modes {
         Ok(&self.shapes * normal)
     }
 
-    /// The free motion: δq at time t after the deviation δq₀ with the velocity δq̇₀, each mode in closed form. For
-    /// methods, events and samples integrate a [`LinearModel`](super::LinearModel) with
-    /// [`MatrixExponential`](crate::MatrixExponential), which needs no modes.
+    /// The free motion: δq at the time t after the deviation δq₀ with the velocity δq̇₀, all three with an entry for
+    /// each coordinate. Each mode is in closed form. For methods, events and samples integrate a
+    /// [`LinearModel`](super::LinearModel) with [`MatrixExponential`](crate::MatrixExponential), which needs no modes.
     ///
     /// # Errors
     /// [`AnalysisError::Dimension`].

@@ -2,10 +2,10 @@
 
 use nalgebra::DMatrix;
 
-/// `M δq̈ + C δq̇ + K δq = f` with constant matrices (Beatty 2006, (11.86) and (11.101); with gyroscopic and
-/// circulatory parts Merkin, *Introduction to the Theory of Stability*, 1997, (6.1)): C is the sum of a symmetric
-/// part, damping, and an antisymmetric one, gyroscopic; K of a symmetric part, which has a potential, and an
-/// antisymmetric one, circulatory.
+/// `M δq̈ + C δq̇ + K δq = f` with constant `n × n` matrices and generalized forces f (Beatty 2006, (11.86) and
+/// (11.101); with gyroscopic and circulatory parts Merkin, *Introduction to the Theory of Stability*, 1997, (6.1)): C
+/// is the sum of a symmetric part, damping, and an antisymmetric one, gyroscopic; K of a symmetric part, which has a
+/// potential, and an antisymmetric one, circulatory.
 ///
 /// ```
 /// use lagrange_runtime::analysis::{SmallMotion, small_vibrations};

@@ -14,12 +14,13 @@ use nalgebra::{Complex, DMatrix, DVector};
 /// states whose rates are 0.
 #[derive(Clone, Debug, PartialEq)]
 pub struct OperatingPoint<const N: usize> {
-    /// The state, at t = 0.
+    /// The state, at t = 0: its states of first order are the last elements of `qd`, whose others are 0.
     pub state: State<f64, N>,
-    /// Largest acceleration or rate that is left, by rounding.
+    /// Largest acceleration, or rate of a state, that is left by rounding, in its own unit.
     pub residual: f64,
-    /// Poles of the small motions about it, see [`StateSpace::poles`]. All small motions decay if every real part is
-    /// negative, and the point is then stable (Lyapunov's first approximation); it is unstable if one is positive.
+    /// Poles of the small motions about it, in 1/s, see [`StateSpace::poles`]. All small motions decay if every real
+    /// part is negative, and the point is then stable (Lyapunov's first approximation); it is unstable if one is
+    /// positive.
     pub poles: Vec<Complex<f64>>,
 }
 

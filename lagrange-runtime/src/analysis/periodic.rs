@@ -11,9 +11,9 @@ use nalgebra::{Complex, DMatrix, DVector, SVector};
 /// How long a periodic orbit takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Period {
-    /// The period of the forces, or a multiple of it.
+    /// The period of the forces, or a multiple of it, in units of t.
     Given(f64),
-    /// Unknown, about this.
+    /// Unknown, about this, in units of t.
     About(f64),
 }
 
@@ -22,11 +22,11 @@ pub enum Period {
 pub struct PeriodicOrbit<const N: usize> {
     /// A state of it.
     pub start: State<f64, N>,
-    /// Its period.
+    /// Its period, in units of t.
     pub period: f64,
-    /// Largest difference of the state after one period.
+    /// Largest difference of a coordinate or velocity after one period, in its own unit.
     pub residual: f64,
-    /// Monodromy matrix: the derivative of the state after one period by its start, `2N × 2N`.
+    /// Monodromy matrix: the derivative of the state (q, q̇) after one period by its start, `2N × 2N`.
     pub monodromy: DMatrix<f64>,
     /// Floquet multipliers, the eigenvalues of the monodromy matrix, by magnitude: as many as there are deviations
     /// that constraints admit, without those of the time integrals of [states of first order](crate::traits::States),
@@ -43,11 +43,11 @@ impl<const N: usize> PeriodicOrbit<N> {
     }
 }
 
-/// The periodic orbit near `guess`, by shooting: Newton's method on `Φ_τ(x) = x` with the monodromy matrix, the
-/// period unknown or given. Where orbits form a family (of energies, of phases) the one nearest to the guess, in each
-/// step by the smallest correction, is taken; what conserved quantities make singular is left out of the correction
-/// (Seydel, *Practical Bifurcation and Stability Analysis*, 2010, 7.1–7.3). A `tolerance` in proportion to the
-/// largest coordinate or velocity, not below that of the flow, is what an orbit may miss its start by.
+/// The periodic orbit near `guess`, by shooting: Newton's method on `Φ_τ(x) = x` with the monodromy matrix, the period
+/// unknown or given. Where orbits form a family (of energies, of phases) the one nearest to the guess, in each step by
+/// the smallest correction, is taken; what conserved quantities make singular is left out of the correction (Seydel,
+/// *Practical Bifurcation and Stability Analysis*, 2010, 7.1–7.3). An orbit may miss its start by `tolerance` times
+/// `1 +` the largest coordinate or velocity: give a tolerance not below that of the flow.
 ///
 /// ```
 /// use lagrange_runtime::analysis::{ByVariationalEquations, Period, periodic_orbit};

@@ -205,17 +205,17 @@ impl SmallMotion {
         Self::named(m, c, k, coordinate_names::<Sys, N>())
     }
 
-    /// Number of coordinates.
+    /// Number n of coordinates.
     pub fn dimension(&self) -> usize {
         self.m.nrows()
     }
 
-    /// Names of the coordinates.
+    /// Names of the n coordinates, in the order of rows and columns.
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// Velocities of all coordinates of the system by those of these, `δq̇ = B δẇ`, N × n: a basis of what
+    /// Velocities of all N coordinates of the system by those of these n, `δq̇ = B δẇ`, N × n: a basis of what
     /// constraints on velocities and positions admit at the state. The unit matrix where the coordinates are
     /// independent. With constraints on positions alone it is the same for displacements.
     pub fn basis(&self) -> &DMatrix<f64> {
@@ -229,17 +229,17 @@ impl SmallMotion {
         &self.constants
     }
 
-    /// M.
+    /// M, `n × n`.
     pub fn inertia(&self) -> &DMatrix<f64> {
         &self.m
     }
 
-    /// C, damping and gyroscopic terms together.
+    /// C, `n × n`, damping and gyroscopic terms together.
     pub fn velocity_terms(&self) -> &DMatrix<f64> {
         &self.c
     }
 
-    /// K, with its circulatory part.
+    /// K, `n × n`, with its circulatory part.
     pub fn stiffness(&self) -> &DMatrix<f64> {
         &self.k
     }
@@ -297,7 +297,9 @@ impl SmallMotion {
     }
 
     /// Steady response to a harmonic force: the complex amplitudes `x = (K + iωC − ω²M)⁻¹ f` of `δq = Re(x e^{iωt})`
-    /// for the force `Re(f e^{iωt})` (frequency response; Meirovitch, *Fundamentals of Vibrations*, 2001, 7.12).
+    /// for the force `Re(f e^{iωt})` (frequency response; Meirovitch, *Fundamentals of Vibrations*, 2001, 7.12). Here
+    /// ω = `omega` is in rad/s, `force` has the n generalized forces f, and the n entries of x are in the units of the
+    /// coordinates.
     ///
     /// # Hypotheses
     /// - The matrix is regular, to rounding of its terms: otherwise [`AnalysisError::Resonance`].

@@ -5,10 +5,10 @@ use super::{AnalysisError, ModeKind, Modes, SmallMotion};
 use core::fmt;
 use nalgebra::{Complex, DMatrix, DVector};
 
-/// Eigenvalues λ and shapes x of the motions `δq = Re(x e^{λt})`, `(λ²M + λC + K) x = 0` (Tisseur and
-/// Meerbergen, *The quadratic eigenvalue problem*, SIAM Review 43, 2001, section 3.4), by natural frequency |Im λ|,
-/// of each conjugate pair the one with Im λ < 0 first. Methods that take the index k of an eigenvalue panic, as
-/// slices do, where there is none.
+/// Eigenvalues λ and shapes x of the motions `δq = Re(x e^{λt})`, `(λ²M + λC + K) x = 0` (Tisseur and Meerbergen, *The
+/// quadratic eigenvalue problem*, SIAM Review 43, 2001, section 3.4), by damped frequency |Im λ|, of each conjugate
+/// pair the one with Im λ < 0 first. Real parts of λ are in 1/s, imaginary ones in rad/s. Methods that take the index k
+/// of an eigenvalue panic, as slices do, where there is none.
 ///
 /// Each eigenvalue is that of the given matrices but for a rounding of its own, slow ones beside fast ones too, and
 /// has a bound of what errors of the matrices make of it. Without damping they are those of [`Modes`]; otherwise
@@ -27,21 +27,21 @@ use nalgebra::{Complex, DMatrix, DVector};
 ///   how far from it they may be.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spectrum {
-    /// The 2n eigenvalues.
+    /// The 2n eigenvalues of n coordinates.
     pub eigenvalues: Vec<Complex<f64>>,
-    /// Bounds of the errors of their real and imaginary parts that errors of the matrices make.
+    /// Bounds of the errors of their real and imaginary parts that errors of the matrices make, in the same units.
     pub errors: Vec<Complex<f64>>,
-    /// Their shapes, the largest entry 1.
+    /// Their shapes, each of n entries in the units of the coordinates, the largest one 1.
     pub shapes: Vec<DVector<Complex<f64>>>,
 }
 
 impl Spectrum {
-    /// Angular frequency `|Im λ|` with damping.
+    /// Angular frequency `|Im λ|` with damping, in rad/s.
     pub fn damped_frequency(&self, k: usize) -> f64 {
         self.eigenvalues[k].im.abs()
     }
 
-    /// Undamped angular frequency `|λ|`.
+    /// Undamped angular frequency `|λ|`, in rad/s.
     pub fn natural_frequency(&self, k: usize) -> f64 {
         self.eigenvalues[k].norm()
     }
@@ -52,12 +52,12 @@ impl Spectrum {
         if size == 0.0 { 0.0 } else { -self.eigenvalues[k].re / size }
     }
 
-    /// The positive angular frequencies in increasing order, one for each oscillating pair.
+    /// The positive angular frequencies with damping in increasing order, one for each oscillating pair, in rad/s.
     pub fn frequencies(&self) -> Vec<f64> {
         self.eigenvalues.iter().filter(|e| e.im > 0.0).map(|e| e.im).collect()
     }
 
-    /// Largest real part: the rate at which the worst small motion grows.
+    /// Largest real part: the rate at which the worst small motion grows, in 1/s.
     pub fn growth(&self) -> f64 {
         self.eigenvalues.iter().map(|e| e.re).fold(f64::NEG_INFINITY, f64::max)
     }

@@ -15,19 +15,20 @@ pub enum Stability {
     /// A displacement along `direction` meets no force of first order, and no small motion grows exponentially: higher
     /// orders decide.
     Neutral {
-        /// Shape of that displacement, its largest entry 1.
+        /// Shape of that displacement in the coordinates of the small motions, its largest entry 1.
         direction: DVector<f64>,
     },
     /// It leaves along `direction` without oscillation (divergence).
     Unstable {
-        /// Shape of the displacement whose energy falls fastest, or which grows fastest, its largest entry 1.
+        /// Shape of the displacement whose energy falls fastest, or which grows fastest, in the coordinates of the
+        /// small motions, its largest entry 1.
         direction: DVector<f64>,
     },
     /// It leaves in oscillations of growing amplitude, driven by circulatory forces or negative damping, or, in a
     /// conservative system whose gyroscopic forces do not suffice to stabilize a maximum of the energy, by that
     /// energy.
     Flutter {
-        /// Eigenvalue with the largest real part: rate of growth and angular frequency.
+        /// Eigenvalue with the largest real part: rate of growth in 1/s and angular frequency in rad/s.
         root: Complex<f64>,
         /// Its shape, the largest entry 1.
         shape: DVector<Complex<f64>>,

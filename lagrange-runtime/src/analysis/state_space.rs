@@ -24,9 +24,9 @@ use nalgebra::{Complex, DMatrix};
 pub struct StateSpace {
     /// `∂ẋ/∂x`, n × n.
     pub a: DMatrix<f64>,
-    /// `∂ẋ/∂u`, with a column for each of the K inputs.
+    /// `∂ẋ/∂u`, n × K, with a column for each of the K inputs.
     pub b: DMatrix<f64>,
-    /// `∂y/∂x`, with a row for each of the P outputs.
+    /// `∂y/∂x`, P × n, with a row for each of the P outputs.
     pub c: DMatrix<f64>,
     /// `∂y/∂u`, P × K.
     pub d: DMatrix<f64>,
@@ -140,7 +140,8 @@ impl StateSpace {
         Ok(StateSpace { a, b, c, d, basis, states, time_dependent })
     }
 
-    /// Eigenvalues of A, the slowest growth first: the poles of the system, with all that its states make of it.
+    /// Eigenvalues of A, in 1/s and increasing order of real parts: the poles of the system, with all that its states
+    /// make of it. (Those of a sampled model are numbers without a unit.)
     /// About an equilibrium small motions decay if all have negative real parts (of a sampled model, if all are less
     /// than 1 in magnitude).
     ///
@@ -207,9 +208,9 @@ impl StateSpace {
         Ok(StateSpace { c, d, ..self })
     }
 
-    /// The model from one sampling instant of a digital controller to the next, with a zero-order hold of the inputs:
-    /// `A = exp(A T)`, `B = ∫₀ᵀ exp(A s) ds B`, in double-double arithmetic. Poles that are so fast that they have
-    /// long decayed cost slow ones no digits.
+    /// The model from one sampling instant of a digital controller to the next, T = `period` later in units of t, with
+    /// a zero-order hold of the inputs: `A = exp(A T)`, `B = ∫₀ᵀ exp(A s) ds B`, in double-double arithmetic. Poles
+    /// that are so fast that they have long decayed cost slow ones no digits.
     ///
     /// # Hypotheses
     /// - A and B are constant, see [`StateSpace::time_dependent`].

@@ -60,7 +60,8 @@ pub struct Steady<const N: usize> {
 }
 
 impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
-    /// The system with these momenta of its ignorable coordinates, in their order.
+    /// The system with these momenta `∂L/∂q̇` of its ignorable coordinates, in the order of
+    /// [`Facts::ignorable`](crate::Facts::ignorable): in kg m²/s of an angle, in kg m/s of a length.
     ///
     /// # Hypotheses
     /// - L is quadratic in the velocities ([`Facts::quadratic`](crate::Facts::quadratic)), some coordinates are
@@ -87,7 +88,7 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         Ok(Reduced { system, momenta: momenta.to_vec(), ignorable, kept })
     }
 
-    /// The state at `q` (whose ignorable coordinates do not matter) in which the others rest, at t = 0.
+    /// The state at `q`, all N coordinates (of which ignorable ones do not matter), in which the others rest, at t = 0.
     ///
     /// # Errors
     /// [`AnalysisError::Inertia`] where the ignorable coordinates have none.
@@ -122,7 +123,7 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         })
     }
 
-    /// Effective potential `V_eff(q) = p·q̇ − L`.
+    /// Effective potential `V_eff(q) = p·q̇ − L` at all N coordinates, in J.
     ///
     /// # Hypotheses
     /// - Energy is conserved ([`Facts::conservative`](crate::Facts::conservative)): there is neither dissipation nor
@@ -257,8 +258,9 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         (inertia, damping, stiffness)
     }
 
-    /// Turning points of the coordinate that is not ignorable at the energy `h`: the roots of `V_eff = h` between
-    /// `low` and `high`, found by their signs at 1000 points between, in increasing order.
+    /// Turning points of the coordinate that is not ignorable at the energy `h`, in the unit of the coordinate, as are
+    /// `low` and `high`: the roots of `V_eff = h` between these, found by their signs at 1001 points at equal
+    /// distances, in increasing order.
     ///
     /// # Hypotheses
     /// - That of [`Reduced::potential`].
@@ -311,10 +313,10 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         }
     }
 
-    /// All steady motions in which the one coordinate that is not ignorable stays at `q`, the momentum of the
-    /// ignorable coordinate `rate` being whatever it takes, and those of the other ignorable ones as given: of a top,
-    /// the two steady precessions at an inclination and a spin (Beatty 2006, (11.79t)). By the rate, the slowest
-    /// first.
+    /// All steady motions in which the one coordinate that is not ignorable stays at `q`, the momentum of the ignorable
+    /// coordinate with the index `rate` in q being whatever it takes, and those of the other ignorable ones as given:
+    /// of a top, the two steady precessions at an inclination and a spin (Beatty 2006, (11.79t)). By the rate, the
+    /// slowest first.
     ///
     /// # Hypotheses
     /// - Coordinates are independent: otherwise [`AnalysisError::DependentCoordinates`].
@@ -334,9 +336,9 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         rates.into_iter().map(|s| self.about(state(s))).collect()
     }
 
-    /// The momenta of the ignorable coordinate `spin` at which the two rates of [`Reduced::steady_rates`] at `q` are
-    /// equal, in increasing order: with less than that (in magnitude) there is no steady motion at `q`. None where
-    /// there is always one.
+    /// The momenta of the ignorable coordinate with the index `spin` in q, in the units of [`Reduced::new`], at which
+    /// the two rates of [`Reduced::steady_rates`] at `q` are equal, in increasing order: with less than that (in
+    /// magnitude) there is no steady motion at `q`. None where there is always one.
     ///
     /// # Hypotheses
     /// Those of [`Reduced::steady_rates`], and `spin` is another coordinate than `rate`: otherwise

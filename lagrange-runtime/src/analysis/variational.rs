@@ -241,7 +241,7 @@ pub trait TangentFlow<const N: usize> {
     /// The first coordinates of the attitudes among the coordinates ([`System::ATTITUDES`]).
     const ATTITUDES: &'static [usize] = &[];
 
-    /// The accelerations.
+    /// The accelerations q̈.
     fn accel(&self, at: &State<f64, N>) -> SVector<f64, N>;
 
     /// The state near `at` that satisfies the constraints, and an orthonormal basis of the deviations that they
@@ -254,8 +254,8 @@ pub trait TangentFlow<const N: usize> {
         Ok((*at, unrestricted::<N>(Self::FIRST_ORDER)))
     }
 
-    /// The state after `duration`, and what has become of the deviations: the columns of a `2N × DEVIATIONS` matrix,
-    /// q above q̇.
+    /// The state after `duration`, in units of t, and what has become of the deviations: the columns of a
+    /// `2N × DEVIATIONS` matrix, q above q̇.
     ///
     /// # Errors
     /// [`AnalysisError::Run`]; [`AnalysisError::Dimension`] for a matrix of another size.
@@ -315,7 +315,8 @@ pub struct ByVariationalEquations<'a, Sys, const T: usize, M = Dop853, C = PiCon
 }
 
 impl<'a, Sys, const T: usize> ByVariationalEquations<'a, Sys, T> {
-    /// Integrates by DOP853 with an absolute and relative tolerance, which holds for the deviations too.
+    /// Integrates by DOP853 with an absolute and relative tolerance, which holds for the deviations too. The absolute
+    /// one is in the units of each component of q and q̇.
     pub fn new(system: &'a Sys, tolerance: f64) -> Self {
         Self::with(system, Dop853, PiController::tolerance(tolerance))
     }
@@ -414,7 +415,8 @@ pub struct ByGradients<Sys, M = Taylor, C = TaylorController> {
 }
 
 impl<Sys> ByGradients<Sys> {
-    /// Integrates by Taylor series with an absolute and relative tolerance, which holds for the derivatives too.
+    /// Integrates by Taylor series with an absolute and relative tolerance, which holds for the derivatives too. The
+    /// absolute one is in the units of each component of q and q̇.
     pub fn new(system: Sys, tolerance: f64) -> Self {
         Self::with(system, Taylor, TaylorController::tolerance(tolerance))
     }
@@ -477,8 +479,9 @@ where
     }
 }
 
-/// The end of a motion and its derivative by the start: the matrix `∂(q, q̇)(end)/∂(q, q̇)(start)`, `2N × 2N`. With
-/// constraints it is that of deviations that they admit, and 0 on those that are orthogonal to them.
+/// The end of a motion of this duration, in units of t, and its derivative by the start: the matrix
+/// `∂(q, q̇)(end)/∂(q, q̇)(start)`, `2N × 2N`. With constraints it is that of deviations that they admit, and 0 on
+/// those that are orthogonal to them.
 ///
 /// # Errors
 /// [`AnalysisError::Run`], [`AnalysisError::DependentConstraints`].
@@ -501,7 +504,7 @@ pub fn fundamental_matrix<Flow: TangentFlow<N>, const N: usize>(
 pub struct Sensitivity<const N: usize, const D: usize> {
     /// The end of the motion.
     pub end: State<f64, N>,
-    /// Its derivatives by the parameters.
+    /// Its derivatives (∂q/∂p, ∂q̇/∂p) by each parameter, in the order given.
     pub slopes: [Tangent<f64, N>; D],
 }
 

@@ -6,7 +6,7 @@ use nalgebra::DVector;
 /// How far and how finely a curve is followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Path {
-    /// The parameter's range, in which the curve is followed.
+    /// The parameter's range, in which the curve is followed, in the unit of the parameter μ.
     pub range: (f64, f64),
     /// Longest step, as a length in (q, μ) together: scale μ so that the features of the curve are of order 1 in it
     /// as in q.
@@ -15,12 +15,12 @@ pub struct Path {
     pub steps: usize,
 }
 
-/// A point of a curve.
+/// A point of a curve: a system with the parameter μ at rest in an equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BranchPoint {
     /// The parameter.
     pub parameter: f64,
-    /// Coordinates.
+    /// The N coordinates.
     pub q: DVector<f64>,
     /// Number of directions of falling energy, the negative eigenvalues of K; of an unsymmetric K, those with a
     /// negative real part.
@@ -36,10 +36,10 @@ pub struct Bifurcation {
     pub kind: BifurcationKind,
     /// The parameter.
     pub parameter: f64,
-    /// Coordinates.
+    /// The N coordinates.
     pub q: DVector<f64>,
-    /// Direction in (q, μ) of the curve, at a fold, the onset of flutter or dependent constraints, or of the one that
-    /// crosses it; of a multiple branch point, one of [`kernel`](Self::kernel).
+    /// Direction in (q, μ), N + 1 elements: that of the curve at a fold, the onset of flutter or dependent constraints,
+    /// or of the one that crosses it; of a multiple branch point, one of [`kernel`](Self::kernel).
     pub direction: DVector<f64>,
     /// Orthonormal directions in (q, μ) across the curve in which `F` does not change in first order: their number is
     /// the multiplicity of a branch point. Empty at folds, the onset of flutter and dependent constraints.
@@ -88,7 +88,7 @@ pub enum Heading {
     Up,
     /// The parameter falls at first.
     Down,
-    /// Along this direction in (q, μ): [`Bifurcation::direction`] leads to the other curve, its negative to the other
-    /// half.
+    /// Along this direction in (q, μ), N + 1 elements of any length: [`Bifurcation::direction`] leads to the other
+    /// curve, its negative to the other half.
     Along(DVector<f64>),
 }
