@@ -27,11 +27,12 @@ use core::fmt;
 
 /// Goals of a run.
 pub mod goal {
-    /// A trajectory whose local errors stay below this tolerance, absolute and relative.
+    /// A trajectory whose local errors stay below this tolerance, absolute (in the units of each component of q and q̇)
+    /// and relative.
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub struct Accuracy(pub f64);
 
-    /// Energy and the other invariants bounded over long times, in equal steps of at most this size.
+    /// Energy and the other invariants bounded over long times, in equal steps of at most this size, in units of t.
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub struct LongTime<S = f64>(pub S);
 
@@ -518,7 +519,8 @@ where
     }
 }
 
-/// The state at `end` of a system that is at `start`, to a tolerance per step, absolute and relative: [`method_for`]
+/// The state at the time `end` of a system that is at `start`, to a tolerance per step, absolute (in the units of each
+/// component of q and q̇) and relative: [`method_for`]
 /// with [`goal::Accuracy`], run to the end.
 ///
 /// # Errors

@@ -37,7 +37,8 @@ pub use slopes::differentiable;
     note = "constraints are `constraint name: f == 0;` inside `lagrangian! {{ … }}`"
 )]
 pub trait Constrained<const N: usize, const M: usize>: Lagrangian<N> {
-    /// `f(q, t)` of the constraints on positions; 0 for those on velocities.
+    /// `f(q, t)` of the constraints on positions, each in its own unit and in the order of
+    /// [`Facts::constraints`](crate::system::Facts::constraints); 0 for those on velocities.
     fn constraints(&self, q: &SVector<Self::Scalar, N>, t: Self::Scalar) -> SVector<Self::Scalar, M>;
 
     /// `A q̇ + b`, which vanishes: `df/dt` of constraints on positions, and those on velocities themselves.
@@ -55,7 +56,8 @@ pub trait Constrained<const N: usize, const M: usize>: Lagrangian<N> {
         t: Self::Scalar,
     ) -> SMatrix<Self::Scalar, M, N>;
 
-    /// Multipliers `λ(q, q̇, t)`: the generalized force of the constraints is `Aᵀ λ`.
+    /// Multipliers `λ(q, q̇, t)`, in the order of the constraints: the generalized force of these is `Aᵀ λ`. The
+    /// multiplier of an `f` in m is a force in N, of an `f` in rad a moment in N m.
     fn multipliers(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -75,7 +77,7 @@ pub trait Constrained<const N: usize, const M: usize>: Lagrangian<N> {
         rates: &SVector<Self::Scalar, M>,
     ) -> (SVector<Self::Scalar, N>, SVector<Self::Scalar, M>);
 
-    /// Generalized forces `Aᵀ λ` of all constraints, by coordinates.
+    /// Generalized forces `Aᵀ λ` of all constraints, by coordinates: in N of a length, in N m of an angle.
     fn constraint_forces(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -124,7 +126,8 @@ pub trait Constrained<const N: usize, const M: usize>: Lagrangian<N> {
 pub trait Prescribed<const N: usize, const P: usize>: Lagrangian<N> {
     /// The generalized forces that make the prescribed coordinates move as they do, in the order of
     /// [`Facts::prescribed`](crate::system::Facts::prescribed): what is left over in the equation of motion of the
-    /// coordinate φ when it is let go, `R = d/dt ∂L/∂φ̇ − ∂L/∂φ + ∂D/∂φ̇ − Q` (Beatty 2006, 11.7.2). Its power is R φ̇.
+    /// coordinate φ when it is let go, `R = d/dt ∂L/∂φ̇ − ∂L/∂φ + ∂D/∂φ̇ − Q` (Beatty 2006, 11.7.2). It is in N where φ
+    /// is a length and in N m where it is an angle, and its power is R φ̇.
     fn reactions(
         &self,
         q: &SVector<Self::Scalar, N>,

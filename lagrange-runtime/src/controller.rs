@@ -50,9 +50,9 @@ impl Verdicts<1> {
 /// Source of the size of the first step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FirstStep<S> {
-    /// Given, and the same for all steps.
+    /// Given, in units of t, and the same for all steps.
     Fixed(S),
-    /// Given, and changed by the controller from then on.
+    /// Given, in units of t, and changed by the controller from then on.
     Given(S),
     /// Chosen from the equations (Hairer, Nørsett, Wanner 1993, II.4, "Starting step size").
     Automatic,
@@ -193,7 +193,7 @@ impl<S: Real> FixedStep<S> {
         FixedStep { h }
     }
 
-    /// The size of the steps that was asked for.
+    /// The size of the steps that was asked for, in units of t.
     pub const fn size(&self) -> S {
         self.h
     }
@@ -239,10 +239,10 @@ impl<S: Real, const N: usize, E> Controller<S, N, E> for FixedStep<S> {
 /// in the units of that component. [`PiController::atol`] and
 /// [`TaylorController::atol`](crate::TaylorController::atol) take them.
 pub trait AbsoluteTolerance<const N: usize>: Copy + fmt::Debug {
-    /// Absolute tolerance of the coordinate `i`.
+    /// Absolute tolerance of the coordinate `i`, in its unit.
     fn q(&self, i: usize) -> f64;
 
-    /// Absolute tolerance of the velocity `i`.
+    /// Absolute tolerance of the velocity `i`, in its unit.
     fn qd(&self, i: usize) -> f64;
 
     /// The smallest of them.
@@ -358,7 +358,7 @@ const fn eighth_by_third(relative: f64) -> f64 {
 }
 
 impl<A: Copy> PiController<A> {
-    /// The relative tolerance `rtol`.
+    /// The relative tolerance `rtol`, a number without a unit.
     pub const fn rtol(self, rtol: f64) -> Self {
         PiController { relative: rtol, eighth_by_third: eighth_by_third(rtol), ..self }
     }
@@ -387,7 +387,8 @@ impl<A: Copy> PiController<A> {
         }
     }
 
-    /// Begins with a step of size `h`, whose sign is made that of the run, instead of an automatic choice.
+    /// Begins with a step of size `h`, in units of t, whose sign is made that of the run, instead of an automatic
+    /// choice.
     pub const fn first_step(self, h: f64) -> Self {
         PiController { first: Some(h), ..self }
     }

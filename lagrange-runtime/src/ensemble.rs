@@ -167,7 +167,7 @@ impl<Src: Source, D> Ensemble<Src, D> {
         Ensemble { source, samples, draw }
     }
 
-    /// Each sample is integrated by this method to `t = end`.
+    /// Each sample is integrated by this method to the time `t = end`.
     pub fn integrate<'p, Sys, M, C, const N: usize>(
         self,
         method: M,

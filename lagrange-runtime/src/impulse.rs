@@ -12,10 +12,11 @@ use nalgebra::SVector;
 pub struct Jump<S, const N: usize> {
     /// The state after it: the same positions, other velocities.
     pub after: State<S, N>,
-    /// Generalized impulses of the constraints, by coordinates; 0 where the coordinates are independent.
+    /// Generalized impulses of the constraints, by coordinates, in N s of a length and N m s of an angle; 0 where the
+    /// coordinates are independent.
     pub reaction: SVector<S, N>,
-    /// The energy that it adds, `(P + reaction)·(q̇⁻ + q̇⁺)/2`: the change of the energy function `h`, which is that
-    /// of the kinetic energy where the system is scleronomic.
+    /// The energy in J that it adds, `(P + reaction)·(q̇⁻ + q̇⁺)/2`: the change of the energy function `h`, which is
+    /// that of the kinetic energy where the system is scleronomic.
     pub energy: S,
 }
 
@@ -28,7 +29,7 @@ pub trait Impulsive<const N: usize>: Lagrangian<N> {
     /// point moves along the normal becomes `−e n·q̇` with the coefficient of restitution e (Newton), by an impulse
     /// along the normal.
     ///
-    /// `normal` is n, the generalized impulse of a unit impulse at the point along the normal, from the function of
+    /// `normal` is n, the N generalized impulses of a unit impulse at the point along the normal, from the function of
     /// an `impulse name at [x, y];` statement. (Velocities do no virtual work, so that the same n takes q̇ to the
     /// velocity of the point.) The impulse is `−(1 + e) n·q̇ / (n·M⁻¹ n)`, under constraints with the response that
     /// they admit.
@@ -51,11 +52,11 @@ pub trait Impulsive<const N: usize>: Lagrangian<N> {
         self.jump(at, &(normal * impulse))
     }
 
-    /// The jump `q̇⁺ = q̇⁻ + M⁻¹ (P + Aᵀ Λ)` by a generalized impulse P, an entry for each coordinate: the time
-    /// integral of the generalized forces over a blow so short that nothing moves. Λ are the impulses of the
-    /// constraints. A force impulse at a point becomes a generalized one by the function of an
-    /// `impulse name at [x, y];` statement. Near a position in which constraints are dependent the jump is that of
-    /// the branch that q̇ is along, and not a number where q̇ is along none.
+    /// The jump `q̇⁺ = q̇⁻ + M⁻¹ (P + Aᵀ Λ)` by a generalized impulse P, an entry for each coordinate, in N s of a
+    /// length and N m s of an angle: the time integral of the generalized forces over a blow so short that nothing
+    /// moves. Λ are the impulses of the constraints. A force impulse at a point becomes a generalized one by the
+    /// function of an `impulse name at [x, y];` statement. Near a position in which constraints are dependent the jump
+    /// is that of the branch that q̇ is along, and not a number where q̇ is along none.
     ///
     /// ```
     /// use lagrange_runtime::prelude::*;

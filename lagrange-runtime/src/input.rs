@@ -49,7 +49,7 @@ pub trait Inputs<const N: usize, const K: usize>: System<N> {
     note = "systems with `input` in `lagrangian! {{ … }}` have them; of a system without inputs `StateSpace::without_inputs` is the linear model"
 )]
 pub trait InputJacobian<const N: usize, const K: usize>: Inputs<N, K> {
-    /// `∂q̈/∂u`, `N × K`, each column belonging to one input.
+    /// `∂q̈/∂u`, `N × K`, each column belonging to one input, in the order of [`INPUTS`](Inputs::INPUTS).
     fn input_jacobian(
         &self,
         q: &SVector<Self::Scalar, N>,

@@ -57,8 +57,14 @@
 //!
 //! Symplectic methods keep the energy bounded only with equal steps, so they take [`FixedStep`] and nothing else: a
 //! method without an error estimate under an adaptive controller is a compile error, and so is [`Verlet`] on a system
-//! that is not [`Separable`](traits::Separable). Steps and tolerances are in the units of t, q and q̇ that the system
-//! is written in.
+//! that is not [`Separable`](traits::Separable).
+//!
+//! # Units and order of components
+//!
+//! Numbers have the units that the system is written in, any that fit together: steps those of t, absolute tolerances
+//! those of q and q̇. Where documentation names a unit it is that of SI. Angles are in radians. A vector has an element
+//! for each coordinate, in the order of their declaration, and then one for each [state of first
+//! order](traits::States); a matrix of (q, q̇) has q above q̇.
 //!
 //! If you do not want to choose a method, call [`simulate`], which returns the final state, or [`method_for`], which
 //! chooses a method and its controller for a [`goal`] and gives the reason. It takes the first row of this table that

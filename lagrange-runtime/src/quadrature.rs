@@ -38,7 +38,7 @@ const MAX_PARTS: u32 = 20_000;
 pub struct Total<S, const N: usize, const I: usize> {
     /// The state.
     pub state: State<S, N>,
-    /// The integrals.
+    /// The integrals, in the order of the integrands, each in its unit times that of t.
     pub integrals: [S; I],
 }
 

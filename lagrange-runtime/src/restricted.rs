@@ -60,7 +60,7 @@ pub trait Restricted<const N: usize, const HELD: usize, const WHOLE: usize>: Lag
     /// The system with the parameters of the whole one.
     fn of(whole: &Self::Whole) -> Self;
 
-    /// Values and velocities of the coordinates that are held.
+    /// Values and velocities of the coordinates that are held, in the order of [`REMOVED`](Self::REMOVED).
     fn held(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -130,9 +130,9 @@ pub struct NotHeld<S> {
     pub coordinate: &'static str,
     /// Is it the velocity of the coordinate that differs?
     pub moves: bool,
-    /// The value in the state,
+    /// Value of the coordinate, or of its velocity, in the state.
     pub found: S,
-    /// and that of the restricted system.
+    /// Value that it has in the restricted system.
     pub held: S,
 }
 

@@ -25,7 +25,7 @@ use nalgebra::SVector;
     note = "write `routhian Reduced;` in the definition of the system, and reduce it by `system.reduce(&state)`"
 )]
 pub trait Routhian<const N: usize, const I: usize, const WHOLE: usize>: Lagrangian<N> {
-    /// The velocities of the ignorable coordinates, from `∂L/∂q̇ᵢ = pᵢ`.
+    /// The velocities of the I ignorable coordinates, in the order of the whole system, from `∂L/∂q̇ᵢ = pᵢ`.
     fn ignorable_velocities(
         &self,
         q: &SVector<Self::Scalar, N>,

@@ -40,7 +40,7 @@ where
         self.outcome()
     }
 
-    /// The states at the given times, which lie in the direction of the run from the start (which may be the first)
+    /// The states at the given times t, which lie in the direction of the run from the start (which may be the first)
     /// to the end (which may be the last). They are interpolated and do not influence the steps; the start, the end
     /// and the ends of steps are exact. A run without end goes as far as the times do. Where the run fails, the
     /// samples before are good, and the failure comes in place of the next one.

@@ -22,13 +22,15 @@ use nalgebra::{SMatrix, SVector, UnitQuaternion, Vector3};
     ))
 )]
 pub struct State<S, const N: usize> {
-    /// Time.
+    /// Time t, in s or the unit that the system is written in.
     #[cfg_attr(feature = "serde", serde(with = "crate::saved::number"))]
     pub t: S,
-    /// Generalized coordinates.
+    /// Generalized coordinates in the order of their declaration, angles in radians; then the time integrals of
+    /// [states of first order](crate::traits::States).
     #[cfg_attr(feature = "serde", serde(with = "crate::saved::vector"))]
     pub q: SVector<S, N>,
-    /// Generalized velocities.
+    /// Generalized velocities in the same order, in m/s of a length and rad/s of an angle; then the states of first
+    /// order.
     #[cfg_attr(feature = "serde", serde(with = "crate::saved::vector"))]
     pub qd: SVector<S, N>,
 }
@@ -195,7 +197,7 @@ impl<S: Scalar, const N: usize> State<S, N> {
         attitude::attitude(&self.parameters(first))
     }
 
-    /// Angular velocity, in the turned axes, of the attitude whose first coordinate is this one.
+    /// Angular velocity in rad/s, in the turned axes, of the attitude whose first coordinate is this one.
     ///
     /// # Panics
     /// If there are not three coordinates from there on.
@@ -205,7 +207,8 @@ impl<S: Scalar, const N: usize> State<S, N> {
 }
 
 impl<S: Scalar, const N: usize> State<S, N> {
-    /// The direction whose first coordinate is this one. (Systems have it by name: `system.direction_n(&state)`.)
+    /// The direction, a unit vector, whose first coordinate is this one. (Systems have it by name:
+    /// `system.direction_n(&state)`.)
     ///
     /// # Panics
     /// If there are not three coordinates from there on.
@@ -234,8 +237,8 @@ impl<S: Real, const N: usize> State<S, N> {
         self
     }
 
-    /// The same state with this attitude, whose first coordinate is `first`, and its angular velocity in the turned
-    /// axes.
+    /// The same state with this attitude, whose first coordinate is `first`, and its angular velocity in rad/s, in the
+    /// turned axes.
     ///
     /// # Panics
     /// If there are not three coordinates from there on.
@@ -254,8 +257,8 @@ fn part<S: Scalar, const N: usize>(of: &SVector<S, N>, first: usize) -> Vector3<
     Vector3::new(of[first], of[first + 1], of[first + 2])
 }
 
-/// The angle in (−π, π] that differs by whole turns, with π to the digits of the scalar. The error is the rounding of
-/// `angle`.
+/// The angle in (−π, π], in radians, that differs from `angle` by whole turns, with π to the digits of the scalar. The
+/// error is the rounding of `angle`.
 ///
 /// # Hypotheses
 /// - `angle` is finite; else the result is NaN.

@@ -34,7 +34,8 @@ pub trait System<const N: usize> {
     /// The number type: `f64`, a pack of lanes, a dual.
     type Scalar: Scalar;
 
-    /// Generalized accelerations `q̈(q, q̇, t)`.
+    /// Generalized accelerations `q̈(q, q̇, t)`, in m/s² of a length and rad/s² of an angle; the last elements are the
+    /// rates of [states of first order](crate::traits::States).
     fn accel(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -286,6 +287,9 @@ pub trait System<const N: usize> {
 }
 
 /// Everything that follows from a Lagrangian besides the accelerations. Emitted for every `lagrangian!` system.
+///
+/// Vectors have an element for each coordinate, and matrices a row and a column. A generalized force is in N where the
+/// coordinate is a length and in N m where it is an angle, a momentum in N s and N m s.
 #[diagnostic::on_unimplemented(
     message = "this needs the Lagrangian of `{Self}` (momenta, inertia, forces), not its accelerations alone",
     note = "systems made by `lagrangian! {{ … }}` have it"
@@ -300,7 +304,7 @@ pub trait Lagrangian<const N: usize>: System<N> {
     /// Constant angular momenta of rotations, directions and positions that turn together.
     const COMMON_SYMMETRIES: &'static [CommonSymmetry] = &[];
 
-    /// The Lagrangian `L(q, q̇, t)`; `T − V` where these were given.
+    /// The Lagrangian `L(q, q̇, t)`, in J; `T − V` where these were given.
     fn lagrangian(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -316,7 +320,7 @@ pub trait Lagrangian<const N: usize>: System<N> {
         t: Self::Scalar,
     ) -> SVector<Self::Scalar, N>;
 
-    /// Energy function (Jacobi integral) `h = p·q̇ − L`.
+    /// Energy function (Jacobi integral) `h = p·q̇ − L`, in J.
     fn energy_function(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -324,7 +328,8 @@ pub trait Lagrangian<const N: usize>: System<N> {
         t: Self::Scalar,
     ) -> Self::Scalar;
 
-    /// Inertia matrix `M = ∂²L/∂q̇²`, symmetric, `N × N`. It depends on `q̇` only where L is not quadratic in it.
+    /// Inertia matrix `M = ∂²L/∂q̇²`, symmetric, `N × N`, in kg of lengths and kg m² of angles. It depends on `q̇` only
+    /// where L is not quadratic in it.
     fn inertia(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -349,7 +354,7 @@ pub trait Lagrangian<const N: usize>: System<N> {
         t: Self::Scalar,
     ) -> SVector<Self::Scalar, N>;
 
-    /// Rayleigh dissipation function `D(q, q̇, t)`; 0 where none was given.
+    /// Rayleigh dissipation function `D(q, q̇, t)`, in W; 0 where none was given.
     fn dissipation(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -357,7 +362,7 @@ pub trait Lagrangian<const N: usize>: System<N> {
         t: Self::Scalar,
     ) -> Self::Scalar;
 
-    /// Power `(Q − ∂D/∂q̇)·q̇` of the nonconservative forces and of dissipation.
+    /// Power `(Q − ∂D/∂q̇)·q̇` of the nonconservative forces and of dissipation, in W.
     fn power(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -386,7 +391,7 @@ pub trait Lagrangian<const N: usize>: System<N> {
     }
 }
 
-/// Kinetic and potential energy, where the system was written as `T` and `V` (and not as a whole `L`).
+/// Kinetic and potential energy in J, where the system was written as `T` and `V` (and not as a whole `L`).
 #[diagnostic::on_unimplemented(
     message = "`{Self}` was given as a whole `L`, which has no unique kinetic and potential energy, or with a `V` that depends on states of first order",
     note = "write `T = …; V = …;` instead of `L = …;`, or use the energy function `energy_function`"
@@ -453,7 +458,7 @@ pub trait Energies<const N: usize>: Lagrangian<N> {
     note = "use a method on (q, q̇), such as `Dop853`"
 )]
 pub trait LegendreTransform<const N: usize>: Independent<N> {
-    /// The `q̇` with `∂L/∂q̇ = p`.
+    /// The N velocities `q̇` with `∂L/∂q̇ = p`, the momenta being in the order of the coordinates.
     fn velocities(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -540,7 +545,7 @@ pub struct Jacobian<S, const N: usize> {
     pub q: SMatrix<S, N, N>,
     /// `∂q̈/∂q̇`, `N × N`.
     pub qd: SMatrix<S, N, N>,
-    /// `∂q̈/∂t`.
+    /// `∂q̈/∂t`, at fixed q and q̇.
     pub t: SVector<S, N>,
 }
 

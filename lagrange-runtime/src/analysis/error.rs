@@ -117,7 +117,8 @@ pub enum AnalysisError {
     NotConverged {
         /// Quantity that was sought.
         what: &'static str,
-        /// The residual that was left.
+        /// The residual that was left: of an equilibrium the largest generalized force, of an operating point the
+        /// largest acceleration, of a periodic orbit the largest difference of a coordinate or velocity.
         residual: f64,
     },
     /// A generalized force is left that no displacement changes: the system, or a part of it, is pushed and not held.

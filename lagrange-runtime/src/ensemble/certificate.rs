@@ -83,7 +83,7 @@ impl<Src: fmt::Debug, F: fmt::Debug, G: fmt::Debug, const K: usize> fmt::Debug
 pub struct Worst {
     /// Its index, by which [`Certification::draw`] gives its draw.
     pub index: u64,
-    /// The error, |simplified − full|; infinite if a model failed.
+    /// The error, |simplified − full| in the unit of the output; infinite if a model failed.
     pub error: f64,
     /// The output of the full model; NaN if it failed.
     pub full: f64,
@@ -181,7 +181,7 @@ impl<const K: usize> Certificate<K> {
         self.errors.first().map_or(0, |errors| errors.len() as u64)
     }
 
-    /// The largest error of an output; NaN if there is no such output.
+    /// The largest error of an output, in its unit; NaN if there is no such output.
     pub fn maximum(&self, output: usize) -> f64 {
         self.errors.get(output).and_then(|errors| errors.last()).copied().unwrap_or(f64::NAN)
     }
@@ -383,8 +383,8 @@ where
     F: Model<Src::Draw, Output = [f64; K]>,
     G: Model<Src::Draw, Output = [f64; K]>,
 {
-    /// A scene: a source of independent draws and a number of samples, the error allowed in each output, the full
-    /// model and the simplified one.
+    /// A scene: a source of independent draws and a number of samples, the error allowed in each output, in its unit,
+    /// the full model and the simplified one.
     pub fn new(source: Src, samples: u64, allowed: [f64; K], full: F, simplified: G) -> Self {
         Certification { source, samples, allowed, full, simplified, settings: Settings::default() }
     }

@@ -103,11 +103,11 @@ pub struct Indices<const D: usize> {
     pub total: [Index; D],
     /// Mean of the output.
     pub mean: f64,
-    /// Variance of the output.
+    /// Variance of the output, in the square of its unit.
     pub variance: f64,
     /// The number of evaluations.
     pub evaluations: u64,
-    /// The cost of all evaluations.
+    /// The cost of all evaluations: work times that of a unit of work, see [`Model`](super::Model).
     pub cost: f64,
     /// The number of rows that are left out, since an evaluation failed or its output is infinite or not a number.
     pub lost: u64,

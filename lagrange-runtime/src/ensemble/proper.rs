@@ -119,7 +119,8 @@ impl fmt::Display for Move {
 pub struct ProperModel<const K: usize, const O: usize> {
     /// The moves that were tried.
     pub moves: [Move; K],
-    /// First-order effect of each move on each output: the largest |∂y/∂w| of the samples.
+    /// First-order effect of each move on each output, in the unit of the output: the largest |∂y/∂w| of the samples,
+    /// an array of the O outputs for each of the K moves.
     pub effects: [[f64; O]; K],
     /// The moves that may be made together.
     pub made: [bool; K],

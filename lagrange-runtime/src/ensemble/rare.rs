@@ -117,7 +117,7 @@ pub struct RareEvent {
     pub runs: Vec<SubsetRun>,
     /// The number of evaluations of the model.
     pub evaluations: u64,
-    /// Their cost.
+    /// Their cost: work times that of a unit of work, see [`Model`](super::Model).
     pub cost: f64,
     /// The number of evaluations that failed, or whose output is not a number: they count as samples without the event.
     pub failed: u64,

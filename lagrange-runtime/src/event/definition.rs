@@ -46,7 +46,7 @@ pub struct EventKind {
     pub direction: Direction,
     /// True if the run ends there.
     pub terminal: bool,
-    /// The largest |g| at an extremum that counts as a touch, rounding apart.
+    /// The largest |g| at an extremum that counts as a touch, rounding apart, in the unit of g.
     pub touching: f64,
 }
 
@@ -129,7 +129,8 @@ impl<G> Event<G> {
         self
     }
 
-    /// An extremum of g at which `|g| ≤ distance` counts as a touch, which only events of either direction report.
+    /// An extremum of g at which `|g| ≤ distance`, in the unit of g, counts as a touch, which only events of either
+    /// direction report.
     pub fn touching(mut self, distance: f64) -> Self {
         self.kind.touching = distance;
         self

@@ -52,7 +52,7 @@ impl<W, const N: usize> InRange<W, N> {
     /// A coordinate that is not watched: all numbers.
     pub const ANY: RangeInclusive<f64> = f64::NEG_INFINITY..=f64::INFINITY;
 
-    /// The range of each coordinate, beside an observer.
+    /// The range of each coordinate, in its unit and the order of q, beside an observer.
     pub fn new(ranges: [RangeInclusive<f64>; N], inner: W) -> Self {
         InRange { ranges, inner }
     }

@@ -39,7 +39,7 @@ pub struct Counts {
 record_fields!(Counts { bins, below, above, not_a_number });
 
 impl Histogram {
-    /// `bins` bins of equal width from `low` to `high`.
+    /// `bins` bins of equal width from `low` to `high`, in the unit of the output.
     pub const fn new(low: f64, high: f64, bins: u32) -> Self {
         Histogram { low, high, bins }
     }

@@ -3,7 +3,7 @@
 use super::Statistic;
 use crate::ensemble::record::record_fields;
 
-/// Number, mean and variance of a real output.
+/// Number, mean and variance of a real output, the mean in the unit of the output.
 ///
 /// Fed by Welford's recurrence and merged by the formula of Chan, Golub and LeVeque (1983), which do not cancel: the
 /// mean and the standard deviation are off by some rounding errors of the largest deviation, growing with the
@@ -55,7 +55,8 @@ impl Moment {
         if self.count == 0 { f64::NAN } else { self.mean }
     }
 
-    /// The unbiased variance, with the divisor n − 1; NaN for fewer than two outputs.
+    /// The unbiased variance, in the square of the output's unit, with the divisor n − 1; NaN for fewer than two
+    /// outputs.
     pub fn variance(&self) -> f64 {
         if self.count < 2 { f64::NAN } else { self.squares / (self.count - 1) as f64 }
     }

@@ -9,7 +9,7 @@ use crate::state::State;
 /// Time to an event: when it happened and which one it was, or until when nothing has happened.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lifetime {
-    /// The time of the event, or the end of the observation.
+    /// The time t of the event, or of the end of the observation.
     pub time: f64,
     /// Index of the event; `None` if the observation was censored, that is, ended before any.
     pub cause: Option<usize>,
@@ -60,7 +60,7 @@ pub struct Survival<const K: usize> {
 }
 
 impl<const K: usize> Survival<K> {
-    /// Lifetimes from `start` on, counted up to `end` in so many equal bins. Causes are 0 to K − 1.
+    /// Lifetimes from the time `start` on, counted up to `end`, in so many equal bins. Causes are 0 to K − 1.
     pub const fn new(start: f64, end: f64, bins: usize) -> Self {
         Survival { start, end, bins }
     }
@@ -96,7 +96,7 @@ impl Record for Lifetime {
 /// One point of a survival curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Surviving<const K: usize> {
-    /// The time.
+    /// The time, the end of a bin.
     pub time: f64,
     /// Number of observations at risk just before the bin that ends here; at the start all.
     pub at_risk: u64,
@@ -160,8 +160,8 @@ impl<const K: usize> Lifetimes<K> {
         core::iter::once(first).chain(rest).collect()
     }
 
-    /// The end of the first bin by which at least this part has had an event; `None` if the curve does not come down
-    /// so far.
+    /// The time at the end of the first bin by which at least this part (0 to 1) has had an event; `None` if the curve
+    /// does not come down so far.
     pub fn quantile(&self, part: f64) -> Option<f64> {
         self.curve(0.95).iter().find(|point| point.survival <= 1.0 - part).map(|point| point.time)
     }

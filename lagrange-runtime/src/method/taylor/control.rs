@@ -96,7 +96,7 @@ impl TaylorController {
 }
 
 impl<A: Copy> TaylorController<A> {
-    /// The relative tolerance `rtol`.
+    /// The relative tolerance `rtol`, a number without a unit.
     pub const fn rtol(self, rtol: f64) -> Self {
         TaylorController { relative: rtol, ..self }
     }
