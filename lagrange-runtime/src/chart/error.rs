@@ -34,7 +34,13 @@ impl fmt::Display for ChartError {
                 "the frames do not make an animation: {reason}; every part that moves needs as many frames, and each of its \
                  frames as many points"
             ),
-            Self::Write { path, source } => write!(f, "cannot write {}: {source}", path.display()),
+            Self::Write { path, source } => {
+                let help = match source.kind() {
+                    std::io::ErrorKind::NotFound => "; the folder has to exist",
+                    _ => "",
+                };
+                write!(f, "cannot write {}: {source}{help}", path.display())
+            }
             Self::Render(reason) => write!(f, "the chart could not be rendered: {reason}"),
         }
     }

@@ -132,6 +132,8 @@ fn a_folder_that_cannot_be_written_is_an_error() {
     assert!(matches!(&error, ChartError::Write { path, .. } if path.ends_with("chart.svg")));
     assert!(error.to_string().starts_with("cannot write"));
     assert!(std::error::Error::source(&error).is_some());
+    let missing = std::env::temp_dir().join("lagrange-chart-missing");
+    assert!(example().write(missing, "chart").unwrap_err().to_string().ends_with("the folder has to exist"));
 }
 
 #[test]
