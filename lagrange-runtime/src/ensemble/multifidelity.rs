@@ -132,7 +132,7 @@ pub struct Pilot {
     pub samples: u64,
     /// The coefficient of correlation ρ of the outputs; NaN if those of the cheap model are all equal.
     pub correlation: f64,
-    /// Standard deviations of the outputs, of the full model and the cheap one.
+    /// Standard deviations of the outputs, of the full model and the cheap one, in their units.
     pub standard_deviation: [f64; 2],
     /// Mean costs of a sample of either.
     pub cost: [f64; 2],
@@ -778,7 +778,7 @@ where
         Ok(self.run(Goal::Pilot)?.pilot)
     }
 
-    /// The mean, with a confidence interval of this half-width at most.
+    /// The mean, with a confidence interval of this half-width at most, in the unit of the output.
     ///
     /// # Errors
     /// As [`pilot`](Self::pilot); and if the half-width or confidence makes no sense.

@@ -305,7 +305,7 @@ where
     G: Model<Src::Draw, Output = f64>,
 {
     /// The quantile of a probability p of the full model's output, with a confidence interval of this half-width at
-    /// most.
+    /// most, in the unit of the output.
     ///
     /// The indicator `g ≤ c` is the control variate of `f ≤ y` for all y at once, c being the quantile of g in the
     /// pilot. With an indicator the best coefficient sorts the samples of f into two strata, whose probabilities the
