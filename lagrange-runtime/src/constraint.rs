@@ -41,7 +41,8 @@ pub trait Constrained<const N: usize, const M: usize>: Lagrangian<N> {
     /// [`Facts::constraints`](crate::system::Facts::constraints); 0 for those on velocities.
     fn constraints(&self, q: &SVector<Self::Scalar, N>, t: Self::Scalar) -> SVector<Self::Scalar, M>;
 
-    /// `A q̇ + b`, which vanishes: `df/dt` of constraints on positions, and those on velocities themselves.
+    /// `A q̇ + b`, which vanishes: `df/dt` of constraints on positions, and those on velocities themselves, in the
+    /// order of [`constraints`](Self::constraints).
     fn constraint_rates(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -49,7 +50,7 @@ pub trait Constrained<const N: usize, const M: usize>: Lagrangian<N> {
         t: Self::Scalar,
     ) -> SVector<Self::Scalar, M>;
 
-    /// `A`, `M × N`: `∂f/∂q`, or the coefficients of the velocities.
+    /// `A`, `M × N`, a row for each constraint: `∂f/∂q`, or the coefficients of the velocities.
     fn constraint_jacobian(
         &self,
         q: &SVector<Self::Scalar, N>,

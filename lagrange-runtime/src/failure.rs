@@ -247,7 +247,8 @@ pub enum Failure<S = f64> {
         t: S,
         /// Two coordinates by which the branches can be told apart.
         coordinates: [Coordinate; 2],
-        /// Rates of these two along the first branch, and along the second.
+        /// Components of these two in the tangents of the first branch and of the second, whose largest component of
+        /// all is 1.
         directions: [[f64; 2]; 2],
     },
     /// A coordinate left the range in which the model holds, see [`InRange`](crate::lanes::InRange).

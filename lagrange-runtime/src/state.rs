@@ -338,7 +338,8 @@ pub struct Restored<S, const N: usize> {
     pub state: State<S, N>,
     /// Name of the constraint that was violated most.
     pub constraint: &'static str,
-    /// Violation, as a relative change of q or q̇: `|f| / (Σ |Aᵢ| (1 + |qᵢ|))`.
+    /// Violation without a unit, as a relative change of q or q̇: `|f| / (Σ |Aᵢ| (1 + |qᵢ|))` of positions, and
+    /// `|A q̇ + b| / (Σ |Aᵢ| (1 + |q̇ᵢ|))` of velocities.
     pub violation: f64,
 }
 

@@ -532,9 +532,11 @@ pub trait Linearize<const N: usize>: Lagrangian<N> {
 /// Derivatives of `b − f`, each column belonging to one coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Linearization<S, const N: usize> {
-    /// `∂(b − f)/∂q`, `N × N`: where forces have a potential, its second derivatives.
+    /// `∂(b − f)/∂q`, `N × N`, in N/m of lengths and N m/rad of angles: where forces have a potential, its second
+    /// derivatives.
     pub stiffness: SMatrix<S, N, N>,
-    /// `∂(b − f)/∂q̇`, `N × N`: its symmetric part is damping, the antisymmetric one gyroscopic.
+    /// `∂(b − f)/∂q̇`, `N × N`, in N s/m of lengths and N m s/rad of angles: its symmetric part is damping, the
+    /// antisymmetric one gyroscopic.
     pub damping: SMatrix<S, N, N>,
 }
 

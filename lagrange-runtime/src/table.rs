@@ -91,7 +91,8 @@ fn check_values(y: &[f64], expected: usize) -> Result<(), InvalidTable> {
     y.iter().position(|y| !y.is_finite()).map_or(Ok(()), |index| Err(InvalidTable::Value { index }))
 }
 
-/// A function of one argument through measured points (xᵢ, yᵢ): an [`ExternFunction`].
+/// A function of one argument through measured points (xᵢ, yᵢ), in the units of the definition that calls it: an
+/// [`ExternFunction`].
 ///
 /// | | between the knots | continuous | error for knots h apart, f smooth |
 /// |---|---|---|---|
@@ -212,7 +213,7 @@ impl Curve {
         Curve::try_from(CurveData { rule, beyond, x: x.to_vec(), y: y.to_vec() })
     }
 
-    /// The first and the last knot.
+    /// The first and the last knot, in the unit of x.
     pub fn range(&self) -> [f64; 2] {
         let x = &self.0.data.x;
         [x[0], x[x.len() - 1]]

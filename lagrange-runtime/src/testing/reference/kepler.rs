@@ -40,8 +40,8 @@ pub struct KeplerOrbit {
 }
 
 impl KeplerOrbit {
-    /// The orbit through `(r, φ)` with velocity `(ṙ, φ̇)` about a centre of attraction `mu/r²`. `None` unless it is an
-    /// ellipse: `v²/2 < μ/r` with positive μ and r, all of them finite.
+    /// The orbit through `(r, φ)`, φ in rad, with velocity `(ṙ, φ̇)` about a centre of attraction `mu/r²`. `None`
+    /// unless it is an ellipse: `v²/2 < μ/r` with positive μ and r, all of them finite.
     pub fn new(mu: f64, [r, phi]: [f64; 2], [rd, phid]: [f64; 2]) -> Option<Self> {
         let (mu, r, phi, rd) = (Double::from(mu), Double::from(r), Double::from(phi), Double::from(rd));
         Self::of(mu, r, phi, rd, r * phid)

@@ -42,8 +42,8 @@ pub struct SimplePendulum {
 }
 
 impl SimplePendulum {
-    /// A pendulum of length `l` (or reduced length) under gravity `g`, started at angle `theta` from the downward
-    /// vertical with angular velocity `thetad`. Unless `g/l > 0`, every result is NaN.
+    /// A pendulum of length `l` (or reduced length) under gravity `g`, started at the angle `theta` in rad from the
+    /// downward vertical with the angular velocity `thetad` in rad/s. Unless `g/l > 0`, every result is NaN.
     pub fn new(g: f64, l: f64, theta: f64, thetad: f64) -> Self {
         let omega2 = Double::from(g) / l;
         // NaN rather than the square root's own treatment of 0: without gravity there is no k.
@@ -87,7 +87,8 @@ impl SimplePendulum {
         }
     }
 
-    /// `(θ, θ̇)` at time `t` after the start (before it, for t < 0). Turns are counted: θ of a rotation keeps growing.
+    /// `(θ, θ̇)` in rad and rad/s at time `t` after the start (before it, for t < 0). Turns are counted: θ of a
+    /// rotation keeps growing.
     pub fn state(&self, t: f64) -> (f64, f64) {
         let quarter = complete(self.complement);
         let phase = self.omega * t;
