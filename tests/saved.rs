@@ -203,3 +203,41 @@ fn data_of_others_are_refused() {
     let one = serde_json::to_string(&State::new(0.0, [1.0], [0.0])).unwrap();
     assert!(!refusal::<State<f64, 2>>(&one).is_empty());
 }
+
+/// A stepper with controllers is saved without them, and goes on with them bit for bit, wherever it was saved and
+/// whatever origin their instants have.
+#[test]
+fn sampled_control_goes_on_by_its_origin() {
+    let motors = || Motors::new(1.0, 0.7);
+    for origin in [0.0, -60.0, 1.0e3] {
+        let start = State { t: origin, ..START };
+        let at = |k: u32| f64::from(k).mul_add(0.01, origin);
+        for (saved_at, end) in [(at(37), at(90)), (at(37) + 0.003, at(90)), (at(100), at(101))] {
+            // One law adds up, so that a call more or less is seen; the other one acts at its own instants.
+            let slow = |at: &State<f64, 2>, u: &mut SVector<f64, 1>| u[0] -= 0.2 * at.qd[0];
+            let fast = |at: &State<f64, 2>, u: &mut SVector<f64, 1>| u[0] += 0.01 * at.q[1].sin();
+            let mut whole = Stepper::new(motors(), Dop853, PiController::tolerance(1e-9), start)
+                .every(0.1, slow)
+                .every(0.01, fast);
+            whole.advance_to(saved_at).unwrap();
+            let saved = serde_json::to_string(&whole).unwrap();
+            let plain: Stepper<Motors, Dop853, PiController, 2> = serde_json::from_str(&saved).unwrap();
+            let mut restored = plain.every_from(origin, 0.1, slow).every_from(origin, 0.01, fast);
+            whole.advance_to(end).unwrap();
+            restored.advance_to(end).unwrap();
+            assert_eq!(whole.state(), restored.state(), "{origin} {saved_at}");
+            assert_eq!(whole.inputs(), restored.inputs());
+        }
+        // At its origin, and before it, nothing is past.
+        for t in [origin, origin - 0.05] {
+            let plant = Stepper::new(motors(), Rk4, FixedStep::new(0.01), State { t, ..START });
+            let mut plant =
+                plant.every_from(origin, 0.1, |at: &State<f64, 2>, u: &mut SVector<f64, 1>| u[0] = at.t);
+            plant.advance_to(origin).unwrap();
+            assert_eq!(plant.inputs()[0], origin);
+        }
+    }
+    let plant = Stepper::new(motors(), Rk4, FixedStep::new(0.01), START);
+    let mut plant = plant.every_from(f64::NAN, 0.1, |_: &State<f64, 2>, _: &mut SVector<f64, 1>| ());
+    assert!(matches!(plant.advance_to(1.0), Err(Failure::BadPeriod { .. })));
+}

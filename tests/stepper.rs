@@ -488,6 +488,74 @@ fn evaluations_of_rk4_on_constraints() {
     assert!((by_steps.state().q.norm() - 1.0).abs() < 1e-14);
 }
 
+/// Instants are rounded by the distance of their origin from 0, wherever they are: a countdown.
+#[test]
+fn instants_before_zero_are_met_up_to_rounding() {
+    let start = |t: f64| State::new(t, [0.0], [0.0]);
+    let plant =
+        |t: f64, h: f64| Stepper::new(Driven { m: 2.0, k: 0.0, u: 0.0 }, Rk4, FixedStep::new(h), start(t));
+    // A slow law and a limiter, which is to act after it wherever both do.
+    let mut limited = plant(-60.0, 0.01)
+        .every(0.1, |_, u: &mut SVector<f64, 1>| u[0] = 5.0)
+        .every(0.01, |_, u: &mut SVector<f64, 1>| u[0] = u[0].min(1.0));
+    limited.advance_to(10.0).unwrap();
+    assert!((limited.state().qd[0] - 35.0).abs() < 1e-9, "{}", limited.state().qd[0]);
+    assert_eq!(limited.statistics().accepted, 7000);
+    // Each call ends with that of the law.
+    for (origin, period, count) in [(-0.3, 0.1, 6), (-60.0, 0.01, 6100), (-3600.0, 0.05, 72_100)] {
+        let mut seen = plant(origin, period).every(period, |at, u| u[0] = at.t);
+        for k in 0..count {
+            let t = origin + period * f64::from(k);
+            seen.advance_to(t).unwrap();
+            assert_eq!(seen.inputs()[0], t);
+        }
+    }
+}
+
+lagrangian! {
+    /// A pendulum on a rope that an input winds up.
+    system Wound {
+        param g = 9.81;
+        input r = 3;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = g * y;
+        constraint rope: x.powi(2) + y.powi(2) == r.powi(2);
+    }
+}
+
+/// Many small jumps of a constraint are not taken for rounding: each is a failure, by equal steps too.
+#[test]
+fn small_jumps_of_constraints_are_refused() {
+    let start = State::new(0.0, [0.5, -(9.0f64 - 0.25).sqrt()], [0.0, 0.0]);
+    for jump in [1e-6, 1e-8] {
+        let mut wound = Stepper::new(Wound::new(), Rk4, FixedStep::new(1e-3), start);
+        wound.advance_to(0.1).unwrap();
+        wound.set_inputs([3.0 - jump]).unwrap();
+        let failure = wound.advance_to(0.2).unwrap_err();
+        assert!(
+            matches!(failure, Failure::ConstraintViolated { constraint: "rope", .. }),
+            "{jump:e}: {failure}"
+        );
+    }
+    // An input that stays is none, however often it is set.
+    let mut wound = Stepper::new(Wound::new(), Rk4, FixedStep::new(1e-3), start);
+    for k in 1..2000 {
+        wound.set_inputs([3.0]).unwrap();
+        wound.advance_to(1e-3 * f64::from(k)).unwrap();
+    }
+}
+
+/// A system that is changed to one without finite equations is told as at a start.
+#[test]
+fn a_system_that_becomes_not_finite_is_named() {
+    let mut driven = Stepper::new(Driven { m: 2.0, k: 0.0, u: 0.0 }, Rk4, FixedStep::new(0.1), AT_ONE);
+    driven.advance_to(0.2).unwrap();
+    driven.system_mut().u = f64::NAN;
+    let failure = driven.advance_to(1.0).unwrap_err();
+    assert!(matches!(failure, Failure::StateNotFinite { t: 0.2, .. }), "{failure}");
+}
+
 #[test]
 fn no_time_goes_back() {
     let mut stepper = motors();

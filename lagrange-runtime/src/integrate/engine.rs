@@ -20,6 +20,10 @@ mod across;
 /// The largest violation of a constraint, as in [`Restored::violation`], that is taken for rounding in a given start.
 const CONSISTENT: f64 = 1e-6;
 
+/// The same after an input has changed, of a state that was on the constraints before. What is left of many small jumps
+/// adds up.
+const STILL_CONSISTENT: f64 = 1e-10;
+
 /// Round-off in ulps: of corrections by the projection onto constraints, whatever the tolerance, and of time in the
 /// first step.
 const ROUNDING: f64 = 64.0;
@@ -245,7 +249,8 @@ where
         // (Where constraints are dependent, a projection leads anywhere.)
         if !(Self::DEPENDENT && self.across[1]) {
             let given = self.state;
-            self.state = admitted(system, &given)?;
+            let bound = if self.status == Status::Driven { STILL_CONSISTENT } else { CONSISTENT };
+            self.state = admitted_within(system, &given, bound)?;
             if Self::ADAPTIVE && Sys::CONSTRAINTS > 0 {
                 self.begins(system, &given)?;
             }
@@ -361,6 +366,10 @@ where
 
     /// Forgets what followed from the system, which has changed, and keeps state and step size.
     pub fn change(&mut self, status: Status<Sys::Scalar>) {
+        // (A system whose equations are not finite from now on is told as at a start.)
+        if status == Status::Unprepared && Sys::CONSTRAINTS == 0 {
+            self.reference = self.state;
+        }
         self.memory = None;
         self.across[0] = false;
         self.approach = Approach::NONE;
@@ -456,7 +465,7 @@ where
         (self.origin, self.count, self.total, self.h) = (t, 0.0, f64::INFINITY, h);
         self.stopped = false;
         if let Some(end) = self.end {
-            (self.total, self.h) = rules::divided(t, h, end)?;
+            (self.total, self.h) = rules::divided(self.start.t, t, h, end)?;
         }
         if t + self.h == t && self.total != 0.0 {
             return Err(Failure::StepSizeUnderflow { t, h: self.h, cause: None });
@@ -835,12 +844,25 @@ pub fn admitted<Sys: System<N>, const N: usize>(
 where
     Sys::Scalar: Real,
 {
+    admitted_within(system, state, CONSISTENT)
+}
+
+/// The same of a state that violates constraints by no more than the bound.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn admitted_within<Sys: System<N>, const N: usize>(
+    system: &Sys,
+    state: &State<Sys::Scalar, N>,
+    bound: f64,
+) -> Result<State<Sys::Scalar, N>, Failure<Sys::Scalar>>
+where
+    Sys::Scalar: Real,
+{
     let t = state.t;
     if let Some(part) = not_finite(state) {
         return Err(Failure::StateNotFinite { t, part });
     }
     match system.restored(state)? {
-        Some(Restored { constraint, violation, .. }) if violation > CONSISTENT => {
+        Some(Restored { constraint, violation, .. }) if violation > bound => {
             Err(Failure::ConstraintViolated { t, constraint, violation })
         }
         Some(restored) => Ok(restored.state),

@@ -29,15 +29,16 @@ pub fn budget(asked: Option<u64>, equal: bool) -> u64 {
     asked.unwrap_or(if equal { u64::MAX } else { MAX_STEPS })
 }
 
-/// The number of equal steps to the end, none longer than `h` but for rounding, and their size.
+/// The number of equal steps to the end, none longer than `h` but for rounding, and their size. Times are rounded as
+/// those at `start`, too, from which they are counted.
 #[inline(always)]
-pub fn divided<S: Real>(t: S, h: S, end: S) -> Result<(f64, S), Failure<S>> {
+pub fn divided<S: Real>(start: S, t: S, h: S, end: S) -> Result<(f64, S), Failure<S>> {
     let ratio = ((end - t) / h).to_f64();
     if ratio < 0.0 {
         return Err(Failure::WrongDirection { t, h, end });
     }
     // The ratio's own rounding error must not cost a step.
-    let rounding = 4.0 * S::EPSILON * (ratio + (t / h).to_f64().abs());
+    let rounding = 4.0 * S::EPSILON * (ratio + (t / h).to_f64().abs().max((start / h).to_f64().abs()));
     let least = ratio - rounding.min(0.5);
     let whole = least as u64 as f64;
     let n = if whole < least { whole + 1.0 } else { whole };

@@ -14,22 +14,22 @@ const ROUNDINGS: f64 = 4.0;
 /// and equally far.
 const SHORTEST_PERIOD: f64 = 64.0;
 
-/// A number of ulps of the time t.
+/// A number of ulps of the time t, or of an origin of times as far from 0 as `scale`.
 #[inline(always)]
-fn roundings<S: Real>(count: f64, t: S) -> f64 {
-    count * S::EPSILON * t.to_f64().abs()
+fn roundings<S: Real>(count: f64, t: S, scale: f64) -> f64 {
+    count * S::EPSILON * t.to_f64().abs().max(scale)
 }
 
 /// Is `instant` not after the time t, up to rounding?
 #[inline(always)]
-pub(super) fn reached<S: Real>(instant: S, t: S) -> bool {
-    instant <= t || (instant - t).to_f64() <= roundings(ROUNDINGS, t)
+pub(super) fn reached<S: Real>(instant: S, t: S, scale: f64) -> bool {
+    instant <= t || (instant - t).to_f64() <= roundings(ROUNDINGS, t, scale)
 }
 
 /// Are these times one, up to rounding?
 #[inline(always)]
-pub(super) fn coincide<S: Real>(a: S, b: S) -> bool {
-    a == b || (reached(a, b) && reached(b, a))
+pub(super) fn coincide<S: Real>(a: S, b: S, scale: f64) -> bool {
+    a == b || (reached(a, b, scale) && reached(b, a, scale))
 }
 
 /// Sets inputs if they are others than before. Returns whether they are.
@@ -56,8 +56,17 @@ pub trait Control<Sys: System<N, Scalar: Real>, const N: usize> {
     /// The next sampling instant.
     fn instant(&self) -> Option<Sys::Scalar>;
 
-    /// Sets the inputs at a sampling instant. Returns whether they have changed.
-    fn act(&mut self, state: &State<Sys::Scalar, N>, system: &mut Sys) -> Result<bool, Failure<Sys::Scalar>>;
+    /// The largest distance of an origin of sampling instants from the time 0, by which their rounding is measured.
+    fn scale(&self) -> f64;
+
+    /// Sets the inputs at a sampling instant, by the [`scale`](Self::scale) of all controllers. Returns whether they
+    /// have changed.
+    fn act(
+        &mut self,
+        state: &State<Sys::Scalar, N>,
+        scale: f64,
+        system: &mut Sys,
+    ) -> Result<bool, Failure<Sys::Scalar>>;
 
     /// Makes the first sampling instant that is not before t the next one.
     fn seek(&mut self, t: Sys::Scalar);
@@ -72,7 +81,12 @@ impl<Sys: System<N, Scalar: Real>, const N: usize> Control<Sys, N> for () {
         None
     }
 
-    fn act(&mut self, _: &State<Sys::Scalar, N>, _: &mut Sys) -> Result<bool, Failure<Sys::Scalar>> {
+    #[inline(always)]
+    fn scale(&self) -> f64 {
+        0.0
+    }
+
+    fn act(&mut self, _: &State<Sys::Scalar, N>, _: f64, _: &mut Sys) -> Result<bool, Failure<Sys::Scalar>> {
         Ok(false)
     }
 
@@ -103,8 +117,8 @@ pub struct Every<S, F, const K: usize, U = ()> {
 }
 
 impl<S: Scalar, F, const K: usize, U> Every<S, F, K, U> {
-    pub(super) fn new(origin: S, period: S, law: F, others: U) -> Self {
-        Every { origin, period, next: 0.0, law, others }
+    pub(super) fn new(origin: S, next: f64, period: S, law: F, others: U) -> Self {
+        Every { origin, period, next, law, others }
     }
 
     fn own(&self) -> S {
@@ -116,7 +130,9 @@ impl<S: Scalar, F, const K: usize, U> Every<S, F, K, U> {
         S: Real,
     {
         let period = self.period.to_f64();
-        let resolved = period > 0.0 && period.is_finite() && period >= roundings(SHORTEST_PERIOD, t);
+        let least = roundings(SHORTEST_PERIOD, t, self.origin.to_f64().abs());
+        let resolved =
+            period > 0.0 && period.is_finite() && period >= least && self.origin.to_f64().is_finite();
         if resolved { Ok(()) } else { Err(Failure::BadPeriod { t, period: self.period }) }
     }
 }
@@ -132,12 +148,22 @@ where
         Some(self.others.instant().filter(|other| *other < own).unwrap_or(own))
     }
 
-    fn act(&mut self, state: &State<Sys::Scalar, N>, system: &mut Sys) -> Result<bool, Failure<Sys::Scalar>> {
+    #[inline(always)]
+    fn scale(&self) -> f64 {
+        self.origin.to_f64().abs().max(self.others.scale())
+    }
+
+    fn act(
+        &mut self,
+        state: &State<Sys::Scalar, N>,
+        scale: f64,
+        system: &mut Sys,
+    ) -> Result<bool, Failure<Sys::Scalar>> {
         let mut changed = false;
-        if self.others.instant().is_some_and(|other| reached(other, state.t)) {
-            changed |= self.others.act(state, system)?;
+        if self.others.instant().is_some_and(|other| reached(other, state.t, scale)) {
+            changed |= self.others.act(state, scale, system)?;
         }
-        if reached(self.own(), state.t) {
+        if reached(self.own(), state.t, scale) {
             self.resolved(state.t)?;
             let mut inputs = system.inputs();
             (self.law)(state, &mut inputs);
@@ -152,7 +178,7 @@ where
         let ratio = ((t - self.origin) / self.period).to_f64();
         self.next = libm::floor(ratio).max(0.0);
         for _ in 0..2 {
-            if !reached(t, self.own()) {
+            if !reached(t, self.own(), self.origin.to_f64().abs()) {
                 self.next += 1.0;
             }
         }

@@ -164,9 +164,53 @@ where
         Sys: Inputs<N, K>,
         F: FnMut(&State<Sys::Scalar, N>, &mut SVector<Sys::Scalar, K>),
     {
+        let t = self.engine.state.t;
+        self.every_since(t, 0.0, period, control_law)
+    }
+
+    /// Adds a digital controller as [`every`](Self::every) does, with the sampling instants `t₀ + k period` of an
+    /// earlier one, where t₀ is `origin`: for a stepper that was saved, or whose controllers start at times of their
+    /// own. Instants before the present time count as past, and so does the present one, unless it is t₀: a stepper
+    /// that was saved after [`advance_to`](Self::advance_to) an instant has made its call there.
+    ///
+    /// # Errors
+    /// Those of `every`; [`Failure::BadPeriod`] also for an origin that is not finite.
+    pub fn every_from<F, const K: usize>(
+        self,
+        origin: Sys::Scalar,
+        period: Sys::Scalar,
+        control_law: F,
+    ) -> Stepper<Sys, M, C, N, Every<Sys::Scalar, F, K, U>>
+    where
+        Sys: Inputs<N, K>,
+        F: FnMut(&State<Sys::Scalar, N>, &mut SVector<Sys::Scalar, K>),
+    {
+        let elapsed = ((self.engine.state.t - origin) / period).to_f64();
+        let scale = self.control.scale().max(origin.to_f64().abs());
+        let begins = coincide(origin, self.engine.state.t, scale) || elapsed < 0.0;
+        // (The nearest instant that may be the present one, and then the one after it.)
+        let mut next = if begins { 0.0 } else { libm::floor(elapsed).max(0.0) };
+        let instant = |next: f64| Sys::Scalar::from_f64(next).mul_add(period, origin);
+        while !begins && next - elapsed < 2.0 && reached(instant(next), self.engine.state.t, scale) {
+            next += 1.0;
+        }
+        self.every_since(origin, next, period, control_law)
+    }
+
+    fn every_since<F, const K: usize>(
+        self,
+        origin: Sys::Scalar,
+        next: f64,
+        period: Sys::Scalar,
+        control_law: F,
+    ) -> Stepper<Sys, M, C, N, Every<Sys::Scalar, F, K, U>>
+    where
+        Sys: Inputs<N, K>,
+        F: FnMut(&State<Sys::Scalar, N>, &mut SVector<Sys::Scalar, K>),
+    {
         let Stepper { system, mut engine, control, max_steps, sides } = self;
         engine.status = Status::Unprepared;
-        let control = Every::new(engine.state.t, period, control_law, control);
+        let control = Every::new(origin, next, period, control_law, control);
         Stepper { system, engine, control, max_steps, sides }
     }
 
@@ -200,7 +244,7 @@ where
             None => admitted(&self.system, &state)
                 .map_err(|failure| self.system.explained(&state, &state, failure))?,
         };
-        if !coincide(state.t, self.engine.state.t) {
+        if !coincide(state.t, self.engine.state.t, self.control.scale()) {
             self.control.seek(state.t);
         }
         self.sides.changed();
@@ -401,7 +445,7 @@ where
             return Err(Failure::BadEnd { end: Some(t) });
         }
         let behind = if self.goes_back()? { t > now } else { t < now };
-        if coincide(t, now) {
+        if coincide(t, now, self.control.scale()) {
             self.engine.state.t = t;
             Ok(true)
         } else if behind {
@@ -421,13 +465,14 @@ where
     /// Calls the control laws whose sampling instant has come.
     #[inline(always)]
     fn act(&mut self) -> Result<(), Failure<Sys::Scalar>> {
-        let due = self.control.instant().is_some_and(|instant| reached(instant, self.engine.state.t));
+        let scale = self.control.scale();
+        let due = self.control.instant().is_some_and(|instant| reached(instant, self.engine.state.t, scale));
         if due {
             // A million samples are no sign of stiffness.
             if self.engine.max_steps.is_none() {
                 self.engine.attempts = 0;
             }
-            let changed = self.control.act(&self.engine.state, &mut self.system);
+            let changed = self.control.act(&self.engine.state, scale, &mut self.system);
             // (Of several controllers some may have acted before one failed.)
             self.driven(changed != Ok(false));
             changed?;
@@ -445,7 +490,7 @@ where
         self.act()?;
         // (An instant that differs from the target by rounding is the target.)
         let end = match (target, self.control.instant()) {
-            (Some(target), Some(instant)) if reached(target, instant) => Some(target),
+            (Some(target), Some(instant)) if reached(target, instant, self.control.scale()) => Some(target),
             (target, None) => target,
             (_, instant) => instant,
         };
@@ -498,7 +543,7 @@ where
     U: Control<Sys, N>,
 {
     fn is_over(&self) -> bool {
-        coincide(self.end, self.stepper.engine.state.t)
+        coincide(self.end, self.stepper.engine.state.t, self.stepper.control.scale())
     }
 
     /// The states at the given times, as [`Run::sample`](super::Run::sample). The stepper is left at the end of the
@@ -638,7 +683,7 @@ mod saved {
     use serde::ser::SerializeStruct;
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-    impl<Sys, M, C, const N: usize> Serialize for Stepper<Sys, M, C, N>
+    impl<Sys, M, C, const N: usize, U> Serialize for Stepper<Sys, M, C, N, U>
     where
         Sys: System<N> + Serialize,
         Sys::Scalar: Serialize,
