@@ -241,15 +241,12 @@ pub enum Failure<S = f64> {
     },
     /// The constraints admit two motions from a position in which they are dependent, and nothing tells which one is
     /// meant: the motion reaches it with no velocity, or with one along both or neither of its branches.
-    /// [`branches`](crate::traits::branches) gives the whole directions.
+    /// [`branches`](crate::traits::branches) gives their directions.
     Bifurcation {
         /// Time.
         t: S,
         /// Two coordinates by which the branches can be told apart.
         coordinates: [Coordinate; 2],
-        /// Components of these two in the tangents of the first branch and of the second, whose largest component of
-        /// all is 1.
-        directions: [[f64; 2]; 2],
     },
     /// A coordinate left the range in which the model holds, see [`InRange`](crate::lanes::InRange).
     OutsideModel {
@@ -392,6 +389,9 @@ pub enum Failure<S = f64> {
         h: S,
     },
 }
+
+/// A failure goes the way of each step, in the same place: with 96 bytes in place of 64 RK4 took 1.2 to 1.3 of its time.
+const _: () = assert!(size_of::<Failure>() <= 64);
 
 /// The name of the variant of an error.
 macro_rules! variant {
@@ -540,9 +540,9 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                 "at t = {t:?} {dependence}, and the motion beyond is not determined by them to the tolerance; try coordinates that need fewer constraints, or \
                  end the run before such positions"
             ),
-            Failure::Bifurcation { t, coordinates: [a, b], directions: [[u, v], [x, y]] } => write!(
+            Failure::Bifurcation { t, coordinates: [a, b] } => write!(
                 f,
-                "at t = {t:?} the constraints admit two motions, along which coordinates {a} and {b} move as {u:.3} to {v:.3} and as {x:.3} to {y:.3}, \
+                "at t = {t:?} the constraints admit two motions, in which coordinates {a} and {b} move in different proportions, \
                  and the velocity there tells neither; try a start beside that position, on the branch that is meant (`traits::branches` has \
                  both directions), or end the run before it"
             ),
@@ -688,9 +688,7 @@ impl<S> Failure<S> {
             Failure::DependentConstraints { t, dependence } => {
                 Failure::DependentConstraints { t: f(t), dependence }
             }
-            Failure::Bifurcation { t, coordinates, directions } => {
-                Failure::Bifurcation { t: f(t), coordinates, directions }
-            }
+            Failure::Bifurcation { t, coordinates } => Failure::Bifurcation { t: f(t), coordinates },
             Failure::OutsideModel { t, coordinate, bound } => {
                 Failure::OutsideModel { t: f(t), coordinate, bound }
             }
@@ -748,14 +746,14 @@ pub struct Dependence {
     /// The one of the others that it follows from the most; `None` if its own gradient vanishes.
     pub on: Option<&'static str>,
     /// The number of further constraints that it follows from.
-    pub others: usize,
+    pub others: u16,
     /// The square of the sine of the angle between its gradient and those of the others; if its gradient vanishes,
     /// the part that is left of its square.
     pub left: f64,
     /// The number of constraints that are independent.
-    pub rank: usize,
+    pub rank: u16,
     /// The number of constraints.
-    pub of: usize,
+    pub of: u16,
 }
 
 impl fmt::Display for Dependence {

@@ -150,7 +150,7 @@ where
     };
     let (i, j) = pair.max_by(|a, b| minor(a).total_cmp(&minor(b)))?;
     let coordinates = [i, j].map(Coordinate::of::<Sys, N>);
-    Some(Failure::Bifurcation { t: at.t, coordinates, directions: directions.map(|b| [b[i], b[j]]) })
+    Some(Failure::Bifurcation { t: at.t, coordinates })
 }
 
 /// Constraints near such a position, after elimination of as many coordinates as there are constraints but one.

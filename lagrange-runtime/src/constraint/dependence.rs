@@ -225,7 +225,14 @@ where
         let vanished = (0..M).find(|&j| here[(j, j)] <= brink * before[j]);
         if let Some(j) = vanished {
             let left = here[(j, j)] / before[j];
-            return Some(Dependence { constraint: name(j), on: None, others: 0, left, rank: M - 1, of: M });
+            return Some(Dependence {
+                constraint: name(j),
+                on: None,
+                others: 0,
+                left,
+                rank: M as u16 - 1,
+                of: M as u16,
+            });
         }
         let squares = core::array::from_fn(|j| here[(j, j)]);
         return Elimination::new(&here, squares).dependent(brink).map(|found| found.named(name, M));
@@ -283,6 +290,7 @@ struct Dependent {
 impl Dependent {
     fn named(self, name: impl Fn(usize) -> &'static str, of: usize) -> Dependence {
         let Dependent { row, on, others, left, rank } = self;
+        let [others, rank, of] = [others, rank, of].map(|count| count as u16);
         Dependence { constraint: name(row), on: on.map(name), others, left, rank, of }
     }
 }

@@ -389,11 +389,7 @@ fn every_text_ends_in_a_hint() {
         },
         Failure::ConstraintDrift { t: 0.0, h: 0.0, constraint: "rod" },
         Failure::DependentConstraints { t: 0.0, dependence: DEPENDENCE },
-        Failure::Bifurcation {
-            t: 0.0,
-            coordinates: [coordinate(0, "a0"), coordinate(1, "b")],
-            directions: [[1.0, 0.0], [0.0, 1.0]],
-        },
+        Failure::Bifurcation { t: 0.0, coordinates: [coordinate(0, "a0"), coordinate(1, "b")] },
         Failure::StepSizeUnderflow { t: 0.0, h: 0.0, cause: Some(Cause::ConstraintDrift("rod")) },
         Failure::Cancellation { t: 0.0, coordinate: coordinate(1, "phi"), condition: 1e9 },
         Failure::NotConverged { t: 0.0, h: 0.0, iterations: 9 },
