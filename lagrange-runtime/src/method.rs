@@ -190,8 +190,8 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
     #[doc(hidden)]
     const HAS_LAST_STEP: bool = false;
 
-    /// [`step`](Self::step) after which a motion goes on from [`start`](Self::start): nothing is written to `next`,
-    /// and the step has no interpolant.
+    /// [`step`](Self::step) after which a motion goes on from [`start`](Self::start): it hands nothing on, and has no
+    /// interpolant.
     #[doc(hidden)]
     fn last_step(
         &self,
@@ -199,9 +199,8 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
         memory: &Self::MethodState,
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
-        next: &mut Self::MethodState,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
-        self.step(system, memory, from, h, next)
+        self.step(system, memory, from, h, &mut memory.clone())
     }
 
     /// The interpolant of a step. It is made only when asked for, since it may cost evaluations of its own, see

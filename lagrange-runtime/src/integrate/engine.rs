@@ -565,19 +565,10 @@ where
                 _ => failure,
             });
         }
-        let controller = &self.controller;
-        attempt::<_, _, UNSEEN, N>(
-            system,
-            &self.method,
-            memory,
-            from,
-            h,
-            last,
-            next,
-            |correction, from, to| {
-                tolerated(controller, &correction.scaled(Scalar::from_f64(doubt)), from, to)
-            },
-        )
+        let (controller, next) = (&self.controller, (!(UNSEEN && last)).then_some(next));
+        attempt::<_, _, UNSEEN, N>(system, &self.method, memory, from, h, next, |correction, from, to| {
+            tolerated(controller, &correction.scaled(Scalar::from_f64(doubt)), from, to)
+        })
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -888,12 +879,12 @@ where
 {
     let mut next = memory.clone();
     let tolerates = |correction: &_, from: &_, to: &_| tolerated(controller, correction, from, to);
-    let step = attempt::<_, _, false, N>(system, method, memory, from, h, false, &mut next, tolerates)?;
+    let step = attempt::<_, _, false, N>(system, method, memory, from, h, Some(&mut next), tolerates)?;
     Ok((step, next))
 }
 
 /// A step whose end is finite, and on the constraints of the system, if there are any, by a correction that is
-/// tolerated. (Steps are large: it is looked at where it is.) The `last` one hands nothing on.
+/// tolerated. (Steps are large: it is looked at where it is.) What it hands on goes to `next`, if there is one.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn attempt<Sys, M, const UNSEEN: bool, const N: usize>(
     system: &Sys,
@@ -901,8 +892,7 @@ fn attempt<Sys, M, const UNSEEN: bool, const N: usize>(
     memory: &M::MethodState,
     from: &State<Sys::Scalar, N>,
     h: Sys::Scalar,
-    last: bool,
-    next: &mut M::MethodState,
+    mut next: Option<&mut M::MethodState>,
     tolerates: impl Fn(&Tangent<Sys::Scalar, N>, &State<Sys::Scalar, N>, &State<Sys::Scalar, N>) -> bool,
 ) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>>
 where
@@ -910,14 +900,14 @@ where
     Sys::Scalar: Real,
     M: Method<Sys, N>,
 {
-    let mut attempted = if UNSEEN && M::HAS_LAST_STEP && last {
-        method.last_step(system, memory, from, h, next)
-    } else {
-        method.step(system, memory, from, h, next)
+    let mut attempted = match &mut next {
+        Some(next) => method.step(system, memory, from, h, next),
+        None if UNSEEN && M::HAS_LAST_STEP => method.last_step(system, memory, from, h),
+        None => Err(Failure::NonFinite { t: from.t, h }),
     };
     if let Ok(step) = &mut attempted {
         let sound = if step.to.is_finite() {
-            restore(system, method, step, (!last).then_some(next)).and_then(|moved| match moved {
+            restore(system, method, step, next).and_then(|moved| match moved {
                 Some((correction, constraint)) if !tolerates(&correction, &step.from, &step.to) => {
                     Err(Failure::ConstraintDrift { t: from.t, h, constraint })
                 }

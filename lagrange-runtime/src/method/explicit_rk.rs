@@ -186,7 +186,6 @@ pub struct $name;
             memory: &Self::MethodState,
             from: &State<Sys::Scalar, N>,
             h: Sys::Scalar,
-            _: &mut Self::MethodState,
         ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
             let mut k = [Tangent { q: from.qd, qd: *memory }; $stages];
             let mut to = *from;
