@@ -390,7 +390,7 @@ pub enum Failure<S = f64> {
     },
 }
 
-/// A failure goes the way of each step, in the same place: with 96 bytes in place of 64 RK4 took 1.2 to 1.3 of its time.
+/// A failure goes the way of each step, in the same place: with 96 bytes RK4 took 1.2 to 1.3 of its time.
 const _: () = assert!(size_of::<Failure>() <= 64);
 
 /// The name of the variant of an error.

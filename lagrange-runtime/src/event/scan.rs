@@ -349,16 +349,11 @@ impl Scan {
             return;
         }
         let before = (x - CLOSE).max(0.0);
-        let side = match self.found {
-            // (At the start of a run g may have passed zero by little, or be 0: its side is known by the crossing.)
-            Some(Found::Root { x: place, direction: Direction::Rising }) if (place - x).abs() <= rounding => {
-                -1.0
-            }
-            Some(Found::Root { x: place, direction: Direction::Falling })
-                if (place - x).abs() <= rounding =>
-            {
-                1.0
-            }
+        // (At the start of a run g may have passed zero by little, or be 0: its side is known by the crossing.)
+        let crossed = self.found.filter(|found| (found.place() - x).abs() <= rounding);
+        let side = match crossed {
+            Some(Found::Root { direction: Direction::Rising, .. }) => -1.0,
+            Some(Found::Root { direction: Direction::Falling, .. }) => 1.0,
             _ => sign(at(if self.last < x { before.max(0.5 * (self.last + x)) } else { before })),
         };
         let passed = side * g < 0.0;

@@ -853,7 +853,12 @@ where
         return Err(Failure::StateNotFinite { t, part });
     }
     match system.restored(state)? {
-        Some(Restored { constraint, violation, .. }) if violation > bound => {
+        Some(Restored { state, constraint, violation }) if violation > bound => {
+            // (Conditions that contradict each other by little are violated wherever the state is.)
+            let stays = |left: Restored<_, N>| violation <= CONSISTENT && left.violation > 0.1 * violation;
+            if system.restored(&state)?.is_some_and(stays) {
+                return Ok(state);
+            }
             Err(Failure::ConstraintViolated { t, constraint, violation })
         }
         Some(restored) => Ok(restored.state),
