@@ -413,6 +413,8 @@ fn files_are_read_in_one_sitting() {
 fn long_tests_run_somewhere() {
     let run = fs::read_to_string(Path::new(ROOT).join(".ci/run")).expect("a script");
     assert!(run.contains("\ncargo test --profile long -p lagrange-motions --features long\n"));
+    let motions = fs::read_to_string(Path::new(ROOT).join("tests/motions/Cargo.toml")).expect("a manifest");
+    assert!(!motions.contains("\ntest = false") && motions.contains("required-features = [\"long\"]"));
     assert!(run.contains("\ncargo test --release --example stability"));
     let full = fs::read_to_string(Path::new(ROOT).join(".ci/full")).expect("a script");
     let mut count = 0;

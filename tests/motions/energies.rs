@@ -2,7 +2,7 @@
 //! do.
 
 use lagrange_runtime::prelude::*;
-use std::f64::consts::TAU;
+use lagrange_runtime::testing::reference::SimplePendulum;
 
 lagrangian! {
     system Pendulum {
@@ -20,15 +20,6 @@ lagrangian! {
     }
 }
 
-/// The period of a pendulum of unit length and weight, by the arithmetic-geometric mean.
-fn pendulum_period(amplitude: f64) -> f64 {
-    let (mut a, mut b) = (1.0, (0.5 * amplitude).cos());
-    for _ in 0..8 {
-        (a, b) = (0.5 * (a + b), (a * b).sqrt());
-    }
-    TAU / a
-}
-
 /// The energy of a pendulum (amplitude 2) over `periods`, in steps of a `divisions`-th of one: the largest deviation in
 /// the first period, and at the end of a series of stretches each ten times longer than the one before the largest in
 /// it and the mean over it, of a period each.
@@ -39,7 +30,7 @@ fn pendulum_energy(
 ) -> (f64, Vec<(f64, f64)>) {
     let system = Pendulum::new();
     let mut state = State::new(0.0, [2.0], [0.0]);
-    let h = pendulum_period(2.0) / f64::from(divisions);
+    let h = SimplePendulum::new(1.0, 1.0, 2.0, 0.0).period() / f64::from(divisions);
     let energy = |at: &State<f64, 1>| system.energy_function(&at.q, &at.qd, at.t);
     let start = energy(&state);
     let mut memory = method.start(&system, &state).unwrap();
@@ -96,7 +87,7 @@ fn the_energy_of_a_pendulum_is_kept_over_a_million_periods() {
         // With 50 steps a period the numerical period is so close to the given one that the points which steps meet
         // wander over a twentieth of a step in 10⁶ periods, and the largest of their errors with them.
         assert!(stretches[3..].iter().all(|(worst, _)| *worst < 1.01 * short), "{name}: {stretches:?}");
-        // What does not depend on the points is the mean over a period, and that moves by rounding: √(5 · 10⁷)
+        // The mean over a period does not depend on the points, and moves by rounding: √(5 · 10⁷)
         // roundings of an energy of 10 are 8e-12.
         if name.contains("50") {
             let means = stretches.iter().map(|(_, mean)| *mean);

@@ -117,12 +117,38 @@ pub struct Every<S, F, const K: usize, U = ()> {
 }
 
 impl<S: Scalar, F, const K: usize, U> Every<S, F, K, U> {
-    pub(super) fn new(origin: S, next: f64, period: S, law: F, others: U) -> Self {
-        Every { origin, period, next, law, others }
+    pub(super) fn new(origin: S, period: S, law: F, others: U) -> Self {
+        Every { origin, period, next: 0.0, law, others }
     }
 
     fn own(&self) -> S {
         S::from_f64(self.next).mul_add(self.period, self.origin)
+    }
+
+    /// Makes the first instant of its own that is not before t the next one.
+    fn seek_own(&mut self, t: S)
+    where
+        S: Real,
+    {
+        let ratio = ((t - self.origin) / self.period).to_f64();
+        self.next = libm::floor(ratio).max(0.0);
+        for _ in 0..2 {
+            if !reached(t, self.own(), self.origin.to_f64().abs()) {
+                self.next += 1.0;
+            }
+        }
+    }
+
+    /// The same controller after the time t: what was due up to there was done, unless its instants begin at t.
+    pub(super) fn after(mut self, t: S) -> Self
+    where
+        S: Real,
+    {
+        self.seek_own(t);
+        if self.next > 0.0 && reached(self.own(), t, self.origin.to_f64().abs()) {
+            self.next += 1.0;
+        }
+        self
     }
 
     fn resolved(&self, t: S) -> Result<(), Failure<S>>
@@ -175,13 +201,7 @@ where
 
     fn seek(&mut self, t: Sys::Scalar) {
         self.others.seek(t);
-        let ratio = ((t - self.origin) / self.period).to_f64();
-        self.next = libm::floor(ratio).max(0.0);
-        for _ in 0..2 {
-            if !reached(t, self.own(), self.origin.to_f64().abs()) {
-                self.next += 1.0;
-            }
-        }
+        self.seek_own(t);
     }
 
     fn check(&self, t: Sys::Scalar) -> Result<(), Failure<Sys::Scalar>> {

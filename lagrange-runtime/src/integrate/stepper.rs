@@ -164,8 +164,7 @@ where
         Sys: Inputs<N, K>,
         F: FnMut(&State<Sys::Scalar, N>, &mut SVector<Sys::Scalar, K>),
     {
-        let t = self.engine.state.t;
-        self.every_since(t, 0.0, period, control_law)
+        self.controlled(|t, others| Every::new(t, period, control_law, others))
     }
 
     /// Adds a digital controller as [`every`](Self::every) does, with the sampling instants `t₀ + k period` of an
@@ -185,32 +184,14 @@ where
         Sys: Inputs<N, K>,
         F: FnMut(&State<Sys::Scalar, N>, &mut SVector<Sys::Scalar, K>),
     {
-        let elapsed = ((self.engine.state.t - origin) / period).to_f64();
-        let scale = self.control.scale().max(origin.to_f64().abs());
-        let begins = coincide(origin, self.engine.state.t, scale) || elapsed < 0.0;
-        // (The nearest instant that may be the present one, and then the one after it.)
-        let mut next = if begins { 0.0 } else { libm::floor(elapsed).max(0.0) };
-        let instant = |next: f64| Sys::Scalar::from_f64(next).mul_add(period, origin);
-        while !begins && next - elapsed < 2.0 && reached(instant(next), self.engine.state.t, scale) {
-            next += 1.0;
-        }
-        self.every_since(origin, next, period, control_law)
+        self.controlled(|t, others| Every::new(origin, period, control_law, others).after(t))
     }
 
-    fn every_since<F, const K: usize>(
-        self,
-        origin: Sys::Scalar,
-        next: f64,
-        period: Sys::Scalar,
-        control_law: F,
-    ) -> Stepper<Sys, M, C, N, Every<Sys::Scalar, F, K, U>>
-    where
-        Sys: Inputs<N, K>,
-        F: FnMut(&State<Sys::Scalar, N>, &mut SVector<Sys::Scalar, K>),
-    {
+    /// The same stepper with the control that is made of the present time and of the one that it has.
+    fn controlled<V>(self, add: impl FnOnce(Sys::Scalar, U) -> V) -> Stepper<Sys, M, C, N, V> {
         let Stepper { system, mut engine, control, max_steps, sides } = self;
         engine.status = Status::Unprepared;
-        let control = Every::new(origin, next, period, control_law, control);
+        let control = add(engine.state.t, control);
         Stepper { system, engine, control, max_steps, sides }
     }
 
