@@ -1,6 +1,6 @@
 //! Random systems: what the compiler derives against dual numbers of the same energies.
 //!
-//! The two routes share nothing but the text of the system. `cargo test` tries [`FEW`]; more, or one again, by
+//! The two routes share nothing but the text of the system. `cargo test` tries [`few`]; more, or one again, by
 //!
 //! ```text
 //! LAGRANGE_SYSTEMS=100000 cargo test --release -p lagrange-macros -- --ignored --nocapture many_random_systems
@@ -35,11 +35,15 @@ use nalgebra::DMatrix;
 use reference::{Named, Reference, State};
 use rounding::{Noise, SIZE};
 use std::collections::BTreeMap;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{LazyLock, Mutex};
 
-/// Systems tried by `cargo test`. (`.ci/full` tries thousands.)
-const FEW: u64 = 60;
+/// Systems tried by `cargo test`, and with [`LONG`]. (`.ci/full` tries thousands.)
+pub fn few() -> u64 {
+    if *LONG { 150 } else { 20 }
+}
+/// Whether `LAGRANGE_LONG` is set, as `.ci/run` does for optimised builds: more systems, and larger ones.
+pub static LONG: LazyLock<bool> = LazyLock::new(|| std::env::var_os("LAGRANGE_LONG").is_some());
 /// Number of systems after which progress is printed.
 const TOLD: u64 = 2000;
 /// Computations with noise on each side.
@@ -446,7 +450,7 @@ impl Tally {
         println!("{}", self.said());
         assert!(failed.is_empty(), "systems {failed:?}");
         // One system alone may be anything.
-        if *systems >= FEW / 2 {
+        if *systems >= few() / 2 {
             // With bodies on frames 480 of 26 000 are.
             assert!(degenerate * 30 <= *systems, "too many systems are degenerate");
             assert!(
@@ -499,7 +503,7 @@ fn random_systems() {
             check(seed..seed + 1);
         }
         None => {
-            check(0..FEW);
+            check(0..few());
             // Where something was found, as the generator is now.
             [52_701, 84_388, 113_456, 5_033_808].into_iter().for_each(|seed| check(seed..seed + 1));
         }
@@ -510,7 +514,7 @@ fn random_systems() {
 #[test]
 fn random_cascades() {
     let (mut tally, mut cascades) = (Tally::default(), 0);
-    for seed in 0..FEW / 2 {
+    for seed in 0..few() / 2 {
         let mut random = Random::new(seed);
         let case = Case::of(seed, driven(&mut random), random);
         case.check(&mut tally);
@@ -535,7 +539,7 @@ fn random_cascades() {
         cascades += u64::from(whole.equations.facts.cascade.len() > whole.equations.facts.blocks.len());
     }
     tally.report();
-    assert!(cascades > FEW / 8, "{cascades}");
+    assert!(cascades > few() / 8, "{cascades}");
 }
 
 /// Every word of the language is written by the generator, or it would never be compared.
@@ -555,7 +559,7 @@ fn every_word_is_written() {
 #[test]
 #[ignore = "minutes"]
 fn many_random_systems() {
-    let first = variable("LAGRANGE_SEED").unwrap_or(FEW);
+    let first = variable("LAGRANGE_SEED").unwrap_or(few());
     check(first..first + variable("LAGRANGE_SYSTEMS").unwrap_or(100_000));
 }
 /// Values found, and values expected.
@@ -618,7 +622,7 @@ fn check_changed(seed: u64) -> Option<()> {
 fn seeds() -> std::ops::Range<u64> {
     match variable("LAGRANGE_SEED") {
         Some(seed) => seed..seed + variable("LAGRANGE_SYSTEMS").unwrap_or(1),
-        None => 0..FEW / 3,
+        None => 0..few() / 2,
     }
 }
 

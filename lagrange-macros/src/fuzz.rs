@@ -2,6 +2,7 @@
 
 use crate::compile::{compile, compile_with};
 use crate::diagnostics::Errors;
+use crate::differential::LONG;
 use crate::differential::generate::Random;
 use proc_macro2::{Delimiter, Group, TokenStream, TokenTree};
 use proptest::prelude::*;
@@ -589,7 +590,7 @@ fn mutated(tokens: TokenStream, n: &mut usize, kind: u8, other: &TokenTree) -> T
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 250, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: if *LONG { 250 } else { 100 }, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn soup(words in proptest::collection::vec(word(), 0..60), body in any::<bool>()) {

@@ -355,3 +355,9 @@ mod guide {
         ComingFrom "coming-from"
     }
 }
+
+/// Whether `LAGRANGE_LONG` is set, as `.ci/run` does for optimised builds: tests take more samples and longer motions.
+#[cfg(test)]
+pub(crate) fn long() -> bool {
+    std::env::var_os("LAGRANGE_LONG").is_some()
+}

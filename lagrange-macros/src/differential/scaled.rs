@@ -205,14 +205,15 @@ fn documentation_shows_groups_and_units() {
 #[test]
 fn random_systems_scale() {
     let (mut stated, mut tried) = (0, 0);
-    for seed in 0..40 {
+    let seeds = crate::differential::few();
+    for seed in 0..seeds {
         let text = Case::new(seed).text();
         match derived(&text) {
             Ok(d) => {
                 check(&d, &text);
                 tried += 1;
                 let scalings = d.equations.scalings.as_ref().expect("a small system");
-                stated += usize::from(!scalings.similar.is_empty() || !scalings.groups.is_empty());
+                stated += u64::from(!scalings.similar.is_empty() || !scalings.groups.is_empty());
             }
             Err(messages) => {
                 let known = DEGENERATE.iter().chain(&SINGULAR);
@@ -220,5 +221,5 @@ fn random_systems_scale() {
             }
         }
     }
-    assert!(tried > 30 && stated > 10, "{stated} of {tried}");
+    assert!(4 * tried > 3 * seeds && 4 * stated > seeds, "{stated} of {tried}");
 }

@@ -1,6 +1,7 @@
 //! Chains and trees of links: what their accelerations cost, by number of links.
 
 use super::{arithmetic::agreed, input, solved};
+use crate::differential::LONG;
 use proc_macro2::{TokenStream, TokenTree};
 
 /// Which links, with unit masses and lengths or with parameters for them.
@@ -90,12 +91,14 @@ const KNOWN: [(Kind, [[usize; 7]; 2]); 5] = [
 fn links_cost_what_they_cost_by_hand() {
     for (kind, known) in KNOWN {
         for (symbolic, known) in [false, true].into_iter().zip(known) {
-            let found = LENGTHS.map(|n| {
+            // Long chains with numbers only, unless there is time.
+            let tried = if *LONG || !symbolic { LENGTHS.len() } else { LENGTHS.len() - 2 };
+            let found = LENGTHS[..tried].iter().map(|&n| {
                 let (operations, _) = agreed("links", &solved(links(kind, n, symbolic)));
                 assert_eq!((operations.sin_cos, operations.functions), (n, 0), "{kind:?}, {n} links");
                 operations.arithmetic()
             });
-            assert_eq!(found, known, "{kind:?}, {symbolic}");
+            assert_eq!(found.collect::<Vec<_>>(), known[..tried], "{kind:?}, {symbolic}");
         }
     }
 }

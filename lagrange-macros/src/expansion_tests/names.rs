@@ -3,7 +3,7 @@
 use super::{file, solved, systems};
 use crate::compile::{compile, system};
 use crate::diagnostics::Errors;
-use crate::differential::variable;
+use crate::differential::{LONG, variable};
 use crate::syntax::parse;
 use crate::table::TRAITS;
 use crate::through_rustc::Package;
@@ -354,14 +354,19 @@ fn assert_names(names: impl Iterator<Item = String>, one_in: usize) -> Vec<Accep
     accepted
 }
 
+/// One in `n`; with [`LONG`] three times as many.
+fn one_in(n: usize) -> usize {
+    if *LONG { n / 3 } else { n }
+}
+
 #[test]
 fn words_as_names() {
-    assert_names(WORDS.split_whitespace().map(String::from), 12);
+    assert_names(WORDS.split_whitespace().map(String::from), one_in(36));
 }
 
 #[test]
 fn names_of_expansions_as_names() {
-    assert_names(identifiers_of_expansions().into_iter(), 80);
+    assert_names(identifiers_of_expansions().into_iter(), one_in(240));
 }
 
 /// Each name in each role, where it is accepted, through rustc: what a name means where the system stands does not

@@ -99,7 +99,8 @@ fn what_is_left_out_is_in_the_documentation() {
 #[test]
 fn random_systems_with_a_coordinate_held() {
     let (mut compared, mut refused) = (0, Vec::new());
-    for seed in 0..50 {
+    let seeds = crate::differential::few();
+    for seed in 0..seeds {
         let text = crate::differential::written(seed);
         let tokens = |text: &str| -> proc_macro2::TokenStream {
             let system: proc_macro2::TokenStream = text.parse().expect("tokens");
@@ -124,7 +125,7 @@ fn random_systems_with_a_coordinate_held() {
         compare(&whole, small, k, seed);
     }
     // Without that coordinate some have singular inertia, or contradict a constraint.
-    assert!(compared > 25 && refused.len() < compared, "{compared}, {refused:#?}");
+    assert!(2 * compared > seeds as usize && refused.len() < compared, "{compared}, {refused:#?}");
 }
 
 fn compare(whole: &Derived, small: &Derived, held: usize, seed: u64) {

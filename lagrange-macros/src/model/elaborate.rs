@@ -38,7 +38,7 @@ const MAX_NODES: usize = 400_000;
 /// Expressions that may be evaluated while it is read.
 const MAX_EXPRESSIONS: usize = 1_000_000;
 /// Elements of arrays that may be made and copied while it is read.
-const MAX_COPIED_ELEMENTS: usize = 20_000_000;
+const MAX_COPIED_ELEMENTS: usize = 4_000_000;
 /// Expressions within expressions, and functions within functions.
 const MAX_DEPTH: usize = 96;
 

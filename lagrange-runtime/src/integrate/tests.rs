@@ -337,7 +337,8 @@ fn extreme_numbers_end_in_a_state_or_a_failure() {
     ];
     let pick = |i: usize| values[i % values.len()];
     let (mut good, mut bad) = (0, 0);
-    for i in 0..values.len().pow(4) {
+    // Steps of 5 meet all pairs of values.
+    for i in (0..values.len().pow(4)).step_by(if crate::long() { 1 } else { 5 }) {
         let [a, b, c, d] = [i, i / 12, i / 144, i / 1728].map(pick);
         let (start, end) = (State::new(a, [b, 1.0], [c, 0.5]), d);
         let (plane, double) = (Plane::default(), DoublePendulum::default());

@@ -291,7 +291,7 @@ fn landscape_is_followed(seed: u64) {
 
 #[test]
 fn random_potentials() {
-    (0..12).for_each(landscape_is_followed);
+    (0..if cfg!(feature = "long") { 12 } else { 4 }).for_each(landscape_is_followed);
 }
 
 /// `cargo test --release -p lagrange-motions --test equilibria -- --ignored many_random`

@@ -53,7 +53,8 @@ fn extreme_numbers_end_in_a_state_or_a_failure() {
     let values = [0.0, 1.0, -3.0, 1e-310, 1e-30, 1e16, -1e160, f64::MAX, f64::NAN, f64::INFINITY];
     let pick = |i: usize| values[i % values.len()];
     let (mut good, mut bad) = (0, 0);
-    for i in 0..values.len().pow(3) {
+    let step = if crate::long() { 1 } else { 3 };
+    for i in (0..values.len().pow(3)).step_by(step) {
         let [a, b, c] = [i, i / 10, i / 100].map(pick);
         let start = State::new(0.0, [a, 1.0], [b, 0.5]);
         let (double, kepler, chain) = (TwoPendulums::new(1.0), Kepler::new(1.0), Pair::new(c));
@@ -84,7 +85,11 @@ fn extreme_numbers_end_in_a_state_or_a_failure() {
             }
         }
     }
-    assert_eq!(good + bad, 8 * values.len().pow(3), "no run ended well in a state that is not finite");
+    assert_eq!(
+        good + bad,
+        8 * values.len().pow(3).div_ceil(step),
+        "no run ended well in a state that is not finite"
+    );
     assert!(good > 100 && bad > 100, "{good} {bad}");
 }
 

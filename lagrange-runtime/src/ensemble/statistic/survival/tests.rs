@@ -69,8 +69,9 @@ fn the_curve_of_the_textbooks() {
 /// one and in lanes, with any number of threads, the counts are the same.
 #[test]
 fn competing_risks_have_their_parts() {
+    let n = if crate::long() { 6000 } else { 2000 };
     let study =
-        || Ensemble::new(Random::seed(3), 6000, draw).integrate(Dop853, PiController::tolerance(1e-9), 1.0);
+        || Ensemble::new(Random::seed(3), n, draw).integrate(Dop853, PiController::tolerance(1e-9), 1.0);
     let observer = Occurrences::new((Clock::FAILS, Clock::WEARS), |_: &Clock, met, end: &State<f64, 1>| {
         Lifetime::first(met, end)
     });
@@ -78,18 +79,18 @@ fn competing_risks_have_their_parts() {
     let alone = study().threads(1).observe(&observer, survival).unwrap().statistic;
     assert_eq!(alone, study().threads(2).observe(&observer, survival).unwrap().statistic);
     assert_eq!(alone, study().threads(2).in_lanes(Fused).observe(&observer, survival).unwrap().statistic);
-    assert_eq!((alone.count(), alone.invalid()), (6000, 0));
+    assert_eq!((alone.count(), alone.invalid()), (n, 0));
     for point in &alone.curve(0.9999) {
         let exact = (-3.0 * point.time).exp();
         assert!(point.band[0] <= exact && exact <= point.band[1], "{point:?} {exact}");
         for (k, part) in [1.0 / 3.0, 2.0 / 3.0].into_iter().enumerate() {
-            let error = (part * (1.0 - part) / 6000.0f64).sqrt();
+            let error = (part * (1.0 - part) / n as f64).sqrt();
             assert!((point.incidence[k] - part * (1.0 - exact)).abs() < 4.0 * error, "{point:?}");
         }
     }
     // Where all are censored at the end alone, a curve is 1 less the part that has failed.
     let last = alone.curve(0.95)[20];
-    assert!((last.survival - 1.0 + alone.happened() as f64 / 6000.0).abs() < 1e-12);
+    assert!((last.survival - 1.0 + alone.happened() as f64 / n as f64).abs() < 1e-12);
 }
 
 /// The band covers as often as it says: lifetimes of rate 1, of which some are censored at random.
@@ -174,7 +175,7 @@ fn extremes_on_the_way_beside_events() {
     });
     let observer = Extremes::new(|_: &Shot, at: &State<f64, 2>| [at.q[1], at.qd.norm()], met);
     let study =
-        || Ensemble::new(Random::seed(5), 500, draw).integrate(Dop853, PiController::tolerance(1e-9), 60.0);
+        || Ensemble::new(Random::seed(5), 200, draw).integrate(Dop853, PiController::tolerance(1e-9), 60.0);
     type Output = ((f64, usize, f64), [crate::lanes::Range; 2]);
     let check = |((v, crossings, t), [height, speed]): &Output| {
         let g = 9.81;
