@@ -54,18 +54,26 @@ const SAFETY: f64 = 256.0;
 const KNOWN: f64 = 1e-6;
 
 /// Messages that are true of random systems now and then.
-const DEGENERATE: [&str; 6] = [
+const DEGENERATE: [&str; 7] = [
     "does not move with the coordinates",
     "does not move: a force there does no work",
     "does not turn: a couple on it does no work",
     "does not depend on any coordinate",
     "so its rate is 0",
     "coordinates of this system are ignorable",
+    // A linkage at full reach: a constraint that is the sum of its bars.
+    "vanishes wherever it holds",
 ];
 
 /// Messages about inertia and constraints, true where inertia that is bordered by constraints is singular.
-const SINGULAR: [&str; 4] =
-    ["the inertia matrix is singular", "has a vanishing diagonal", "has no kinetic energy", "can never hold"];
+const SINGULAR: [&str; 5] = [
+    "the inertia matrix is singular",
+    "has a vanishing diagonal",
+    "has no kinetic energy",
+    "can never hold",
+    // Two turns about one axis, of which a coordinate cancels out.
+    "`L` is degenerate: it has no term of second degree",
+];
 
 /// A system with numbers.
 struct Case {
