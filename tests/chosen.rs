@@ -1,8 +1,8 @@
 //! Methods under controllers, over systems each of which lacks a fact: rustc refuses every pair for which something
 //! is missing, and all others are right against closed forms. So are the methods of the table of choices.
 
-use lagrange_runtime::choice::{Offered, RecommendedMethods};
 use lagrange_runtime::ensemble::{Ensemble, Moments, Random, Sobol, Table};
+use lagrange_runtime::method::choice::{Offered, RecommendedMethods};
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::testing::reference::SimplePendulum;
 use lagrange_runtime::{

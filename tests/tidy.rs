@@ -631,8 +631,11 @@ fn the_guide_explains_each_failure() {
 #[test]
 fn the_root_has_a_bounded_number_of_names() {
     let lib = fs::read_to_string(Path::new(ROOT).join("lagrange-runtime/src/lib.rs")).expect("the crate");
-    let modules = lib.lines().filter(|line| line.starts_with("pub mod ") && !line.contains("__private"));
-    assert!(modules.count() <= 14);
+    let modules: Vec<&str> = lib.lines().filter_map(|line| line.strip_prefix("pub mod ")).collect();
+    // (Beside the prelude, and what emitted code names.)
+    let modules: Vec<_> =
+        modules.into_iter().filter(|m| !m.starts_with("prelude") && !m.starts_with("__")).collect();
+    assert!((8..=12).contains(&modules.len()), "{}: {modules:?}", modules.len());
     let code = code(&lib);
     let names: Vec<&str> = code
         .split("\npub use ")

@@ -1,10 +1,5 @@
-//! A method for those who do not want to choose one: from what the compiler found out about the system, and from what
-//! is wanted of the run.
-//!
-//! The compiler states the methods that the facts of a system allow as types ([`RecommendedMethods`]), by the aliases
-//! [`Accurate`], [`Fine`] and [`Geometric`]. rustc then checks them as it checks methods given by name, and compiles
-//! those alone that a [goal] leaves to choose from (docs/decisions/0016). The table [`RECOMMENDATIONS`] says the same
-//! in words; the front page of this crate shows it.
+//! The method for a system and a goal, by what the compiler found out about the system; public as
+//! [`method::choice`](crate::method::choice). (It makes runs, which no method knows, so it is no file of methods.)
 
 use crate::controller::{Controller, ErrorEstimate, FixedStep, PiController};
 use crate::event::{EventSet, Occurrence};
@@ -140,7 +135,7 @@ impl Adaptive for TaylorController {
 /// The methods of the table for one system. Emitted for every `lagrangian!` system.
 ///
 /// ```
-/// use lagrange_runtime::choice::RecommendedMethods;
+/// use lagrange_runtime::method::choice::RecommendedMethods;
 /// use lagrange_runtime::prelude::*;
 ///
 /// /// The drift of the energy in equal steps.
@@ -160,7 +155,7 @@ impl Adaptive for TaylorController {
 /// ```
 #[diagnostic::on_unimplemented(
     message = "no methods are chosen for `{Self}`",
-    note = "systems made by `lagrangian! {{ … }}` have them; implement `choice::RecommendedMethods` for a type of your own, or name a method"
+    note = "systems made by `lagrangian! {{ … }}` have them; implement `method::choice::RecommendedMethods` for a type of your own, or name a method"
 )]
 pub trait RecommendedMethods<const N: usize>: Lagrangian<N, Scalar: Real> + Sized {
     /// The method for [`goal::Accuracy`], but for coarse tolerances and fine ones.

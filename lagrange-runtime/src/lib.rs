@@ -68,7 +68,7 @@
 //!
 //! If you do not want to choose a method, call [`simulate`], which returns the final state, or [`method_for`], which
 //! chooses a method and its controller for a [`goal`] and gives the reason. It takes the first row of this table that
-//! fits ([`choice::RECOMMENDATIONS`]):
+//! fits ([`method::choice::RECOMMENDATIONS`]):
 //!
 //! | Goal | System | Method | because |
 //! |---|---|---|---|
@@ -119,7 +119,7 @@ pub mod analysis;
 mod attitude;
 #[cfg(feature = "chart")]
 pub mod chart;
-pub mod choice;
+mod choice;
 mod constraint;
 pub mod controller;
 mod diagnosis;
@@ -196,13 +196,15 @@ pub mod traits {
     pub use nalgebra::{UnitQuaternion, Vector3};
 }
 
-pub use choice::{goal, method_for, simulate};
 pub use constraint::consistent;
 pub use controller::{Controller, FixedStep, PiController, PidController};
 pub use diagnosis::diagnose;
 pub use event::{Direction, Event, Occurrence};
 pub use failure::Failure;
 pub use integrate::{Advance, Run, Statistics, Stepper, integrate};
+#[doc(no_inline)]
+pub use method::choice::goal;
+pub use method::choice::{method_for, simulate};
 pub use method::compose::{Compose, KahanLi8};
 pub use method::explicit_rk::{Dop853, DormandPrince5, Rk4, Verner9};
 pub use method::gauss::{Gauss4, Gauss6, ImplicitMidpoint};
@@ -229,9 +231,10 @@ pub mod __private {
     pub use crate::impulse::{constrained_jump, jump_beside_states};
     pub use crate::input::dual_input_jacobian;
     pub use crate::linear::solved;
+    pub use crate::method::choice;
     pub use crate::scalar::{Comparison, SimdScalar};
     pub use crate::traits::*;
-    pub use crate::{Dual, Failure, Functions, Real, SMatrix, SVector, Scalar, State, choice, lanes};
+    pub use crate::{Dual, Failure, Functions, Real, SMatrix, SVector, Scalar, State, lanes};
     pub use lagrange_macros::lagrangian;
     #[cfg(feature = "serde")]
     pub use serde;

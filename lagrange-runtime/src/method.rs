@@ -65,6 +65,17 @@ pub mod splitting;
 pub mod taylor;
 pub mod variational;
 
+/// The method for a system and a goal, chosen by what the compiler found out about the system.
+///
+/// [`method_for`](choice::method_for) and [`simulate`](choice::simulate) choose. The trait
+/// [`RecommendedMethods`](choice::RecommendedMethods), which is emitted for every `lagrangian!` system, states the
+/// methods that the facts of a system allow, as types. rustc checks them as it checks methods given by name, and
+/// compiles only those that a [`goal`](choice::goal) leaves to choose from. The table
+/// [`RECOMMENDATIONS`](choice::RECOMMENDATIONS) says the same in words; the [front page](crate) of this crate shows it.
+pub mod choice {
+    pub use crate::choice::*;
+}
+
 pub use across::Across;
 pub(crate) use across::steps_across;
 

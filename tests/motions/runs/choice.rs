@@ -2,7 +2,7 @@
 
 use crate::systems::bank::{ELLIPSE, Pendulum, ellipse};
 use crate::systems::emitted::{Bob, Kepler, Relativistic, Repelled, Swing, TwoPendulums, Wedge};
-use lagrange_runtime::choice::{
+use lagrange_runtime::method::choice::{
     Accurate, Fine, FineControl, Geometric, Goal, RECOMMENDATIONS, Recommendation, RecommendedMethods,
 };
 use lagrange_runtime::prelude::*;
