@@ -12,6 +12,7 @@ mod names;
 mod restrictions;
 mod robust;
 mod speed;
+mod taken;
 
 use crate::diagnostics::Errors;
 use crate::equations::Derived;

@@ -15,6 +15,8 @@ use crate::diagnostics::{Errors, Reported};
 use crate::graph::{Graph, Number, Symbol, Value};
 use crate::syntax::{Data, Declaration, Definition, Event, Header, Kind, Statement};
 use elaborate::{Elaborator, Found, Place};
+#[cfg(test)]
+pub use elaborate::{METHODS, RESERVED};
 use frames::{Frames, Motion};
 use proc_macro2::{Ident, TokenStream};
 use quote::ToTokens;

@@ -334,7 +334,7 @@ impl Trait {
 }
 
 /// Constants that generated types have by their traits.
-const CONSTANTS: [&str; 6] = ["FACTS", "AUTONOMOUS", "FIRST_ORDER", "SWITCHES", "INPUTS", "STATES"];
+pub const CONSTANTS: [&str; 6] = ["FACTS", "AUTONOMOUS", "FIRST_ORDER", "SWITCHES", "INPUTS", "STATES"];
 
 /// An output of the user's must not hide what systems have.
 pub fn check_names(definition: &Definition, errors: &mut Errors) {

@@ -360,7 +360,8 @@
 /// Parameters, coordinates, bindings and outputs have names of their own: a system does not see constants or
 /// variables of the program around it, and a value from there is a parameter. Any identifier is a name, but for
 /// keywords of Rust, time `t`, `dot`, `reaction` and the elementary functions; outputs also have other names than the
-/// functions of a system. A parameter that nothing depends on is a warning, unless its name begins with `_`.
+/// functions of a system (the chapter "Words" of the guide lists all names that are taken). A parameter that nothing
+/// depends on is a warning, unless its name begins with `_`.
 ///
 /// # Mistakes
 ///

@@ -1,5 +1,6 @@
 //! Names: those that systems have, and whatever a user may write as one.
 
+use super::taken::is_taken;
 use super::{file, solved, systems};
 use crate::compile::{compile, system};
 use crate::diagnostics::Errors;
@@ -127,7 +128,7 @@ const WORDS: &str = "as break const continue crate else enum extern false fn for
     sin dot reaction x y φ Θ θ̇ ẋ Größe µ _x S K N R M KEY";
 
 /// Roles that a name may have: the word for the role, and a definition in which NAME has it.
-const ROLES: [(&str, &str); 20] = [
+pub const ROLES: [(&str, &str); 21] = [
     ("param", "system A { param NAME, other; coord z; T = NAME * dot(z).powi(2); V = other * z.cos(); }"),
     (
         "param array",
@@ -188,6 +189,7 @@ const ROLES: [(&str, &str); 20] = [
         "constraint",
         "system A { coord z, w; T = dot(z).powi(2) + dot(w).powi(2); V = z; constraint NAME: z.sin() == w; observe r = reaction(NAME); }",
     ),
+    ("event", "system A { coord z; T = dot(z).powi(2); V = z.cos(); event NAME: z.sin(); }"),
     ("impulse", "system A { coord z; T = dot(z).powi(2); V = z.cos(); impulse NAME at [z.sin(), z]; }"),
     (
         "system",
@@ -336,6 +338,7 @@ fn assert_names(names: impl Iterator<Item = String>, one_in: usize) -> Vec<Accep
             let definition = template.replace("NAME", &name);
             match compiled(&definition) {
                 Ok(expansion) => {
+                    assert!(!is_taken(&name, template), "{role} `{name}` is not taken");
                     if role != "system" {
                         let large = usize::from(!name.starts_with(char::is_lowercase));
                         assert_hygienic(&name, role, expansion, &neutral[j][large]);
@@ -347,6 +350,12 @@ fn assert_names(names: impl Iterator<Item = String>, one_in: usize) -> Vec<Accep
                     let message = error.to_string();
                     assert!(message.contains("help:"), "{role} `{name}`: {message}");
                     assert!(at == name, "{role} `{name}`: at `{at}`, {message}");
+                    // (Arguments of a closure are a pattern, in which keywords mean something.)
+                    let is_known = role == "closure"
+                        || is_taken(&name, template)
+                        || name == "_"
+                        || message.contains("defined twice");
+                    assert!(is_known, "{role} `{name}` is in no table: {message}");
                 }
             }
         }

@@ -23,7 +23,7 @@ use crate::graph::stable_map::IdMap;
 use crate::graph::{Comparison, Function, Graph, Number, Symbol, Value};
 use crate::syntax::spelling::has_known_suffix;
 use crate::syntax::{Declaration, Header, Statement};
-use calls::METHODS;
+pub use calls::METHODS;
 use equality::Equality;
 use frames::{FUNCTIONS, ROTATIONS, Space};
 use proc_macro2::{Ident, TokenStream, TokenTree};
@@ -731,17 +731,18 @@ fn constant(name: &str) -> Option<Value> {
     Number::named(name).map(|k| Value { k, node: None })
 }
 
+/// Names that mean something in every system, beside elementary functions.
+pub const RESERVED: [(&str, &str); 3] =
+    [("t", "is time"), ("dot", "is the time derivative"), ("reaction", "gives the force of a constraint")];
+
 /// Names that mean something already.
 fn reserved(name: &str) -> Option<String> {
-    match name {
-        "t" => Some("`t` is time\nhelp: choose another name".into()),
-        "dot" => Some("`dot` is the time derivative\nhelp: choose another name".into()),
-        "reaction" => Some("`reaction` gives the force of a constraint\nhelp: choose another name".into()),
-        _ if is_method(name) => {
-            Some(format!("`{name}` is an elementary function\nhelp: choose another name"))
-        }
-        _ => None,
-    }
+    let is = match RESERVED.iter().find(|(word, _)| *word == name) {
+        Some((_, is)) => is,
+        None if is_method(name) => "is an elementary function",
+        None => return None,
+    };
+    Some(format!("`{name}` {is}\nhelp: choose another name"))
 }
 
 pub(super) fn numbers(val: &Val) -> Vec<Value> {

@@ -639,7 +639,7 @@ pub(super) const RATE: &str = "name what `rate(…)` is, `let name = …;`, and 
 /// The reason and the help for accelerations in outputs and events.
 pub(super) const OBSERVED_ACCELERATION: &str = "accelerations are known only when the equations are solved, and in no output or event\nhelp: `system.accel_at(&state)` gives those of all coordinates, of a running stepper `stepper.system().accel_at(stepper.state())`";
 
-pub(super) const METHODS: [&str; 9] =
+pub const METHODS: [&str; 9] =
     ["powi", "recip", "sin_cos", "to_radians", "to_degrees", "min", "max", "clamp", "mul_add"];
 pub(super) const ARRAY_METHODS: [&str; 20] = [
     "map",
