@@ -42,7 +42,7 @@ use std::sync::{LazyLock, Mutex};
 pub fn few() -> u64 {
     if *LONG { 150 } else { 20 }
 }
-/// Whether `LAGRANGE_LONG` is set, as `.ci/run` does for optimised builds: more systems, and larger ones.
+/// The environment variable `LAGRANGE_LONG` is set, as `.ci/run` does for optimised builds: more systems, larger ones.
 pub static LONG: LazyLock<bool> = LazyLock::new(|| std::env::var_os("LAGRANGE_LONG").is_some());
 /// Number of systems after which progress is printed.
 const TOLD: u64 = 2000;

@@ -359,7 +359,7 @@ mod guide {
     }
 }
 
-/// Whether `LAGRANGE_LONG` is set, as `.ci/run` does for optimised builds: tests take more samples and longer motions.
+/// The environment variable `LAGRANGE_LONG` is set, as `.ci/run` does for optimised builds: tests take more samples.
 #[cfg(test)]
 pub(crate) fn long() -> bool {
     std::env::var_os("LAGRANGE_LONG").is_some()

@@ -121,7 +121,7 @@ fn random_systems_through_rustc() {
         let modules: Vec<String> = seeds.iter().filter_map(|seed| Case::new(*seed).module()).collect();
         written += modules.len();
         let file = format!(
-            "#![allow(unused, clippy::all)]\nuse lagrange_runtime::__private::*;\nuse lagrange_runtime::prelude::*;\nuse random_systems::*;\n{}",
+            "#![allow(unused, clippy::all)]\nuse lagrange_runtime::__private::*;\nuse lagrange_runtime::lagrangian;\nuse lagrange_runtime::prelude::*;\nuse random_systems::*;\n{}",
             modules.concat()
         );
         package.add(&format!("from_{}", seeds[0]), &file);
