@@ -221,6 +221,8 @@ pub struct Event {
     pub name: Ident,
     /// None where it could not be read, which has been reported.
     pub value: Option<Expr>,
+    /// The length of a family that stands in its place.
+    pub length: Option<Expr>,
     pub direction: Direction,
     pub terminal: bool,
 }

@@ -538,7 +538,8 @@ fn events(
             continue;
         }
         taken.push(event.constant());
-        let count = event.value.as_ref().and_then(elements);
+        let of_family = event.length.as_ref().map(|length| whole(length, statements).unwrap_or(1));
+        let count = event.value.as_ref().and_then(elements).or(of_family);
         let stub = NamedEvent {
             written: event.clone(),
             values: vec![Value::ZERO; count.unwrap_or(1)],
@@ -669,8 +670,13 @@ fn total<'a>(all: impl Iterator<Item = &'a Declaration>, statements: &[Statement
     all.map(|d| size(d, statements).unwrap_or(1)).sum()
 }
 
-/// Length of a declaration as far as it can be read off: a literal, or a constant of a literal.
+/// Length of a declaration as far as it can be read off.
 fn size(d: &Declaration, statements: &[Statement]) -> Option<usize> {
+    d.length.as_ref().map_or(Some(1), |length| whole(length, statements))
+}
+
+/// A length as far as it can be read off: a literal, or a constant of a literal.
+fn whole(length: &Expr, statements: &[Statement]) -> Option<usize> {
     let literal = |e: &Expr| match e {
         Expr::Lit(lit) => match &lit.lit {
             Lit::Int(n) => n.base10_parse().ok().filter(|n| (1..=10_000).contains(n)),
@@ -678,7 +684,6 @@ fn size(d: &Declaration, statements: &[Statement]) -> Option<usize> {
         },
         _ => None,
     };
-    let Some(length) = &d.length else { return Some(1) };
     literal(length).or_else(|| {
         let Expr::Path(path) = length else { return None };
         statements.iter().find_map(|s| match s {

@@ -1,11 +1,11 @@
 //! Events: `event ground: y - r, falling, terminal;`.
 
-use super::{Event, is_punct, skip, skip_declaration, words};
+use super::{Event, family_follows, is_punct, skip, skip_declaration, words};
 use crate::diagnostics::{Errors, did_you_mean, plain};
 use proc_macro2::{Ident, TokenTree};
 use syn::ext::IdentExt;
 use syn::parse::ParseStream;
-use syn::{Attribute, BinOp, Expr, Token};
+use syn::{Attribute, BinOp, Expr, Token, bracketed};
 
 /// Direction of the roots that count.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -36,7 +36,8 @@ const OTHER_OPTIONS: [(&str, &str); 10] = [
 /// Reads what follows `event`.
 pub fn event(input: ParseStream, attributes: Vec<Attribute>, errors: &mut Errors) -> syn::Result<Event> {
     let name = words::name(input, "expected the name of the event", errors)?;
-    let mut event = Event { attributes, name, value: None, direction: Direction::Either, terminal: false };
+    let mut event =
+        Event { attributes, name, value: None, length: None, direction: Direction::Either, terminal: false };
     let name = &event.name;
     let Ok(sign) = input.parse::<TokenTree>() else {
         let message = format!("an event needs its function\nhelp: write `event {name}: y;`");
@@ -49,6 +50,14 @@ pub fn event(input: ParseStream, attributes: Vec<Attribute>, errors: &mut Errors
         skip(input)?;
         return Ok(event);
     }
+    let equals = if family_follows(input)? {
+        let length;
+        bracketed!(length in input);
+        event.length = Some(length.parse()?);
+        Some(input.parse::<Token![=]>()?)
+    } else {
+        None
+    };
     let value: Expr = input.parse()?;
     let mut directed = None;
     while input.peek(Token![,]) {
@@ -58,8 +67,38 @@ pub fn event(input: ParseStream, attributes: Vec<Attribute>, errors: &mut Errors
         }
         option(input, &mut event, &mut directed, errors)?;
     }
-    event.value = function(&event, directed, value, errors);
+    match (&event.length, equals) {
+        (Some(length), Some(equals)) => {
+            errors.push(equals, family(&event, length, &value));
+        }
+        _ => event.value = function(&event, directed, value, errors),
+    }
     Ok(event)
+}
+
+/// The message for `event hit: [N] = |i| …;`: events of an index are an array of functions.
+fn family(event: &Event, length: &Expr, value: &Expr) -> String {
+    let functions = match value {
+        Expr::Closure(of) => {
+            format!("(0..{}).map(|{}| {})", plain(length), plain(&of.inputs), plain(&of.body))
+        }
+        _ => plain(value),
+    };
+    let options = options(event.direction, event.terminal);
+    format!(
+        "events have no family: an array of functions is an array of events\nhelp: write `event {}: {functions}{options};`",
+        event.name
+    )
+}
+
+/// The options of an event as they are written.
+fn options(direction: Direction, terminal: bool) -> String {
+    let direction = match direction {
+        Direction::Either => "",
+        Direction::Falling => ", falling",
+        Direction::Rising => ", rising",
+    };
+    format!("{direction}{}", if terminal { ", terminal" } else { "" })
 }
 
 /// The function of an event with these options, unless a comparison stands in its place.
@@ -71,12 +110,7 @@ fn function(event: &Event, directed: Option<Direction>, value: Expr, errors: &mu
         BinOp::Gt(_) | BinOp::Ge(_) => Direction::Rising,
         _ => return Some(value),
     };
-    let direction = match directed.unwrap_or(meant) {
-        Direction::Either => "",
-        Direction::Falling => ", falling",
-        Direction::Rising => ", rising",
-    };
-    let terminal = if event.terminal { ", terminal" } else { "" };
+    let options = options(directed.unwrap_or(meant), event.terminal);
     let (left, right) = (plain(&comparison.left), plain(&comparison.right));
     let difference = match &*comparison.right {
         Expr::Lit(_) if right.trim_end_matches('0').trim_end_matches('.').is_empty() => left,
@@ -84,7 +118,7 @@ fn function(event: &Event, directed: Option<Direction>, value: Expr, errors: &mu
         _ => format!("{left} - {right}"),
     };
     let message = format!(
-        "an event is where a function passes zero, and this is a condition\nhelp: write `event {}: {difference}{direction}{terminal};`",
+        "an event is where a function passes zero, and this is a condition\nhelp: write `event {}: {difference}{options};`",
         event.name
     );
     errors.push(comparison.op, message);

@@ -108,6 +108,29 @@ pub mod forms {
     }
 }
 
+// Families, as those of bindings and constraints are written.
+pub mod families {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Beads {
+            const N = 2;
+            param m, wall;
+            coord x: [N];
+            T = 0.5 * m * (0..N).map(|i| dot(x[i]).powi(2)).sum();
+            V = 0;
+            event hit: [N] = |i| x[i] - wall, rising, terminal;
+            event back: [2] = [x[0], x[1]], falling;
+        }
+    }
+
+    pub fn main() {
+        let (beads, start) = (Beads::new(1.0, 2.0), State::new(0.0, [0.0; 2], [1.0; 2]));
+        let run = integrate(&beads, Rk4, FixedStep::new(0.1), start);
+        println!("{:?}", run.until(1.0).events((Beads::HIT[1], Beads::BACK[1])).next());
+    }
+}
+
 // An event of one system at another, and of a system that has none.
 pub mod elsewhere {
     use lagrange_runtime::prelude::*;
