@@ -741,3 +741,52 @@ fn a_controlled_stepper_is_interrupted() {
     assert_eq!((whole.state(), whole.inputs()), (interrupted.state(), interrupted.inputs()));
     assert_eq!(whole.statistics(), interrupted.statistics());
 }
+
+lagrangian! {
+    /// A body on a jet, whose attitude is a coordinate.
+    system Satellite {
+        param a = 1.0, b = 2.0, c = 3.0;
+        input jet;
+        coord R: rotation;
+        let craft = frame(world, [0, 0, 0], R);
+        T = body(1, [a, b, c], craft);
+        V = 0;
+        couple [jet, 0, 0] on craft;
+    }
+}
+
+/// The parameters of an attitude are chosen once a step, which takes an evaluation if steps are equal, however often a
+/// stepper is interrupted at a sampling instant.
+#[test]
+fn an_interrupted_attitude_costs_what_it_costs() {
+    fn goes_on<M, C>(method: M, controller: C)
+    where
+        M: Method<Satellite, 3> + Clone + Debug,
+        C: Controller<f64, 3, M::Error>,
+    {
+        let (satellite, spin) = (Satellite::new(), Vector3::new(0.1, 3.0, 0.2));
+        let at_rest = State::new(0.0, [0.0; 3], [0.0; 3]);
+        let start = satellite.with_attitude_R(at_rest, &UnitQuaternion::identity(), &spin);
+        let stepper = || {
+            let stepper = Stepper::new(satellite, method.clone(), controller.clone(), start);
+            stepper.every(0.05, |at: &State<f64, 3>, jet: &mut SVector<f64, 1>| jet[0] = -at.qd[0])
+        };
+        for attempts in [1, 2, 3, 10] {
+            let (mut whole, mut interrupted) = (stepper(), stepper());
+            for t in [3.0, 3.02, 6.0] {
+                whole.advance_to(t).unwrap();
+                while interrupted.advance_within(t, attempts).unwrap() == Advance::NotYet {}
+            }
+            assert_eq!(whole.state(), interrupted.state(), "{method:?}");
+            assert_eq!(
+                whole.statistics(),
+                interrupted.statistics(),
+                "{method:?}, {attempts} attempts a call"
+            );
+        }
+    }
+    goes_on(Dop853, PiController::tolerance(1e-9));
+    goes_on(Rk4, FixedStep::new(0.01));
+    goes_on(Rk4, FixedStep::new(0.05));
+    goes_on(Gauss4, FixedStep::new(0.02));
+}

@@ -345,8 +345,11 @@ where
     pub fn towards(&mut self, system: &Sys, end: Option<Sys::Scalar>) -> Result<(), Failure<Sys::Scalar>> {
         if self.status == Status::Running && self.end == end {
             // (A step that is not to be made needs no other parameters: the next call takes them.)
-            let is_used_up = Self::ATTITUDES && self.attempts >= self.budget(self.equal().is_some());
-            if is_used_up { Ok(()) } else { self.shorten(system) }
+            if Self::ATTITUDES && self.is_used_up(self.equal().is_some()) {
+                Ok(())
+            } else {
+                self.shorten(system)
+            }
         } else {
             self.turn(system, end)
         }
@@ -518,13 +521,31 @@ where
         rules::budget(self.max_steps, equal)
     }
 
+    #[inline(always)]
+    fn is_used_up(&self, equal: bool) -> bool {
+        self.attempts >= self.budget(equal)
+    }
+
+    /// The failure of a step that is not within the budget.
+    #[inline(always)]
+    fn used_up(&self, equal: bool) -> Failure<Sys::Scalar> {
+        let (max_steps, implicit) = (self.budget(equal), self.method.implicit());
+        Failure::BudgetUsedUp { t: self.state.t, h: self.h, max_steps, implicit }
+    }
+
+    /// Fails where no step is left to prepare for, if to prepare twice takes evaluations: to choose the parameters of
+    /// attitudes does.
+    #[inline(always)]
+    pub fn may_prepare(&self) -> Result<(), Failure<Sys::Scalar>> {
+        let equal = matches!(self.controller.first_step(), FirstStep::Fixed(_));
+        if Self::ATTITUDES && self.is_used_up(equal) { Err(self.used_up(equal)) } else { Ok(()) }
+    }
+
     /// The next attempted step is within the budget.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn within_budget(&mut self, equal: bool) -> Result<(), Failure<Sys::Scalar>> {
-        let max_steps = self.budget(equal);
-        if self.attempts >= max_steps {
-            let implicit = self.method.implicit();
-            return Err(Failure::BudgetUsedUp { t: self.state.t, h: self.h, max_steps, implicit });
+        if self.is_used_up(equal) {
+            return Err(self.used_up(equal));
         }
         self.attempts += 1;
         Ok(())

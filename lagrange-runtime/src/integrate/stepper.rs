@@ -339,7 +339,8 @@ where
     }
 
     /// Goes towards the time t with `attempts` steps at most, accepted or not, for programs with a deadline. The
-    /// steps are those of [`advance_to`](Self::advance_to), bit for bit, however often they are interrupted.
+    /// steps are those of [`advance_to`](Self::advance_to), bit for bit and at the same cost, however often they are
+    /// interrupted.
     ///
     /// # Errors
     /// Those of [`advance_to`](Self::advance_to). That the attempts were used up is none.
@@ -461,20 +462,26 @@ where
         Ok(())
     }
 
-    /// Prepares for the next step.
+    /// The end towards which the next step goes. Control laws whose sampling instant has come are called.
     #[inline(always)]
-    fn begin(&mut self, target: Option<Sys::Scalar>) -> Result<(), Failure<Sys::Scalar>> {
+    fn aim(&mut self, target: Option<Sys::Scalar>) -> Result<Option<Sys::Scalar>, Failure<Sys::Scalar>> {
         if self.engine.status == Status::Unprepared {
             self.goes_back()?;
             self.control.check(self.engine.state.t)?;
         }
         self.act()?;
         // (An instant that differs from the target by rounding is the target.)
-        let end = match (target, self.control.instant()) {
+        Ok(match (target, self.control.instant()) {
             (Some(target), Some(instant)) if reached(target, instant, self.control.scale()) => Some(target),
             (target, None) => target,
             (_, instant) => instant,
-        };
+        })
+    }
+
+    /// Prepares for the next step.
+    #[inline(always)]
+    fn begin(&mut self, target: Option<Sys::Scalar>) -> Result<(), Failure<Sys::Scalar>> {
+        let end = self.aim(target)?;
         self.engine.towards(&self.system, end)
     }
 
@@ -484,7 +491,11 @@ where
         &mut self,
         target: Option<Sys::Scalar>,
     ) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
-        let step = self.begin(target).and_then(|()| self.engine.step::<UNSEEN>(&self.system));
+        let step = self.aim(target).and_then(|end| {
+            self.engine.may_prepare()?;
+            self.engine.towards(&self.system, end)?;
+            self.engine.step::<UNSEEN>(&self.system)
+        });
         match step {
             Ok(Some(step)) => Ok(step),
             Ok(None) => Err(Failure::BadEnd { end: self.engine.end }),
