@@ -586,10 +586,11 @@ where
                 _ => failure,
             });
         }
-        let (controller, next) = (&self.controller, (!(UNSEEN && last)).then_some(next));
-        attempt::<_, _, UNSEEN, N>(system, &self.method, memory, from, h, next, |correction, from, to| {
+        let controller = &self.controller;
+        let tolerates = |correction: &Tangent<_, N>, from: &_, to: &_| {
             tolerated(controller, &correction.scaled(Scalar::from_f64(doubt)), from, to)
-        })
+        };
+        attempt::<_, _, UNSEEN, N>(system, &self.method, memory, from, h, (next, last), tolerates)
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
@@ -905,12 +906,13 @@ where
 {
     let mut next = memory.clone();
     let tolerates = |correction: &_, from: &_, to: &_| tolerated(controller, correction, from, to);
-    let step = attempt::<_, _, false, N>(system, method, memory, from, h, Some(&mut next), tolerates)?;
+    let step = attempt::<_, _, false, N>(system, method, memory, from, h, (&mut next, false), tolerates)?;
     Ok((step, next))
 }
 
 /// A step whose end is finite, and on the constraints of the system, if there are any, by a correction that is
-/// tolerated. (Steps are large: it is looked at where it is.) What it hands on goes to `next`, if there is one.
+/// tolerated. (Steps are large: it is looked at where it is.) What it hands on goes to `next`, unless it is `UNSEEN` and
+/// the `last` one.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn attempt<Sys, M, const UNSEEN: bool, const N: usize>(
     system: &Sys,
@@ -918,7 +920,7 @@ fn attempt<Sys, M, const UNSEEN: bool, const N: usize>(
     memory: &M::MethodState,
     from: &State<Sys::Scalar, N>,
     h: Sys::Scalar,
-    mut next: Option<&mut M::MethodState>,
+    (next, last): (&mut M::MethodState, bool),
     tolerates: impl Fn(&Tangent<Sys::Scalar, N>, &State<Sys::Scalar, N>, &State<Sys::Scalar, N>) -> bool,
 ) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>>
 where
@@ -926,13 +928,15 @@ where
     Sys::Scalar: Real,
     M: Method<Sys, N>,
 {
-    let mut attempted = match &mut next {
-        Some(next) => method.step(system, memory, from, h, next),
-        None if UNSEEN && M::HAS_LAST_STEP => method.last_step(system, memory, from, h),
-        None => Err(Failure::NonFinite { t: from.t, h }),
+    // (Constants come first, and in the condition itself: rustc does not compile the step that they exclude.)
+    let mut attempted = if UNSEEN && M::HAS_LAST_STEP && last {
+        method.last_step(system, memory, from, h)
+    } else {
+        method.step(system, memory, from, h, next)
     };
     if let Ok(step) = &mut attempted {
         let sound = if step.to.is_finite() {
+            let next = (!(UNSEEN && last)).then_some(next);
             restore(system, method, step, next).and_then(|moved| match moved {
                 Some((correction, constraint)) if !tolerates(&correction, &step.from, &step.to) => {
                     Err(Failure::ConstraintDrift { t: from.t, h, constraint })

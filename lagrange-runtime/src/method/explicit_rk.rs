@@ -12,6 +12,7 @@ use super::Interpolant;
 use crate::scalar::{DoubleDouble, Scalar};
 use crate::state::{State, Tangent};
 use crate::system::System;
+use nalgebra::SVector;
 
 /// The coefficients of an explicit Runge–Kutta method with `K` stages, the last of which is at the end of the step.
 pub trait ButcherTableau<const K: usize> {
@@ -137,8 +138,7 @@ pub struct $name;
                 h: Sys::Scalar,
                 next: &mut Self::MethodState,
             ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
-                let mut k = [Tangent { q: from.qd, qd: *memory }; $stages];
-                let mut to = *from;
+                let (mut k, mut to) = first_stage::<_, N, $stages>(from, memory);
                 $((to, k[$i]) = stage(system, from.t, h, exact!($c), add!(from, h, k; $($a),*));)*
                 let error = tableaux!(@error $error k, h; $([$($e),*])*);
                 *next = k[$stages - 1].qd;
@@ -187,8 +187,7 @@ pub struct $name;
             from: &State<Sys::Scalar, N>,
             h: Sys::Scalar,
         ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
-            let mut k = [Tangent { q: from.qd, qd: *memory }; $stages];
-            let mut to = *from;
+            let (mut k, mut to) = first_stage::<_, N, $stages>(from, memory);
             $({
                 let at = add!(from, h, k; $($a),*);
                 if $i < $stages - 1 {
@@ -251,6 +250,15 @@ pub struct $name;
 
     (@count) => { 0 };
     (@count $head:expr $(, $tail:expr)*) => { 1 + tableaux!(@count $($tail),*) };
+}
+
+/// Room for the stages of a step, with the first one, whose accelerations are the memory, and the state there.
+#[cfg_attr(not(debug_assertions), inline(always))]
+fn first_stage<S: Scalar, const N: usize, const STAGES: usize>(
+    from: &State<S, N>,
+    memory: &SVector<S, N>,
+) -> ([Tangent<S, N>; STAGES], State<S, N>) {
+    ([Tangent { q: from.qd, qd: *memory }; STAGES], *from)
 }
 
 /// The state (q, q̇) at `t₀ + c h`, and its derivative.

@@ -3,7 +3,7 @@
 
 #![allow(clippy::excessive_precision)]
 
-use super::{ButcherTableau, Nested, StabilityPolynomial, fill, stage};
+use super::{ButcherTableau, Nested, StabilityPolynomial, fill, first_stage, stage};
 use crate::controller::{NoEstimate, TwoEstimates};
 use crate::failure::Failure;
 use crate::method::hermite::Hermite;
