@@ -911,8 +911,8 @@ where
 }
 
 /// A step whose end is finite, and on the constraints of the system, if there are any, by a correction that is
-/// tolerated. (Steps are large: it is looked at where it is.) What it hands on goes to `next`, unless it is `UNSEEN` and
-/// the `last` one.
+/// tolerated. (Steps are large: it is looked at where it is.) What it hands on goes to `next`, unless it is `UNSEEN`
+/// and the `last` one.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn attempt<Sys, M, const UNSEEN: bool, const N: usize>(
     system: &Sys,
