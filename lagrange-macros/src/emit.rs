@@ -112,6 +112,9 @@ fn names(d: &Derived) -> Names {
     Names::new(&d.model, &bindings, series.map_or(0, |series| series.switches.len()))
 }
 
+/// The units of parameters, which are not declared.
+const UNITS_OF_PARAMETERS: &str = "SI units unless the energies are in others";
+
 /// The struct with its constructors.
 pub fn structure(model: &Model, documentation: &[String]) -> TokenStream {
     let Model { name, visibility, attributes, parameters, runtime, .. } = model;
@@ -122,24 +125,32 @@ pub fn structure(model: &Model, documentation: &[String]) -> TokenStream {
     let fields = parameters.iter().map(|p| {
         let (attributes, field, ty) = (&p.attributes, &p.name, field_type(p, quote!(S)));
         let fallback = unless_documented(attributes, || match (p.length, &p.momentum_of) {
-            (_, Some(coordinate)) => format!("The constant momentum of `{coordinate}`."),
-            _ if p.rotation => {
-                format!(
-                    "The rotation `{field}`, as `by_matrix` and `by_quaternion` of `traits::rotation` make it."
-                )
+            (_, Some(coordinate)) => format!(
+                "Constant momentum of `{coordinate}`, in J s per unit of `{coordinate}` (N s of a length, N m s of an angle)."
+            ),
+            _ if p.rotation => format!(
+                "Rotation `{field}`: three parameters without unit, as `by_matrix` and `by_quaternion` of \
+                 `traits::rotation` make them."
+            ),
+            (None, None) if p.input => {
+                format!("Input `{field}`, in {UNITS_OF_PARAMETERS}; it may change between steps.")
             }
-            (None, None) if p.input => format!("Input `{field}`, which may change between steps."),
-            (Some(n), None) if p.input => {
-                format!("Inputs `{field}[0]` to `{field}[{}]`, which may change between steps.", n - 1)
+            (Some(n), None) if p.input => format!(
+                "Inputs `{field}[0]` to `{field}[{}]`, in {UNITS_OF_PARAMETERS}; they may change between steps.",
+                n - 1
+            ),
+            (None, None) => format!("Parameter `{field}`, in {UNITS_OF_PARAMETERS}."),
+            (Some(n), None) => {
+                format!("Parameters `{field}[0]` to `{field}[{}]`, in {UNITS_OF_PARAMETERS}.", n - 1)
             }
-            (None, None) => format!("Parameter `{field}`."),
-            (Some(n), None) => format!("Parameters `{field}[0]` to `{field}[{}]`.", n - 1),
         });
         quote!(#(#attributes)* #fallback pub #field: #ty,)
     });
     let fields = fields.chain(model.data().map(|(field, data)| {
         let (attributes, ty) = (&data.attributes, &data.ty);
-        let fallback = unless_documented(attributes, || format!("Data of the function `{field}`."));
+        let fallback = unless_documented(attributes, || {
+            format!("Data of the function `{field}`: arguments and values in {UNITS_OF_PARAMETERS}.")
+        });
         quote!(#(#attributes)* #fallback pub #field: #ty,)
     }));
     let (in_lanes, fields_in_lanes) = in_lanes(runtime, model.data());
@@ -174,11 +185,11 @@ pub fn structure(model: &Model, documentation: &[String]) -> TokenStream {
     let given = required.iter().map(|p| &p.name).chain(model.data().map(|(name, _)| name));
     let given: Vec<String> = given.map(|name| format!("`{name}`")).collect();
     let new_doc = if given.is_empty() {
-        "The system with the default values of its parameters.".to_string()
+        "System with the default values of its parameters.".to_string()
     } else {
         let others =
             if required.len() < parameters.len() { "; the others have their default values" } else { "" };
-        format!("The system with these values of {}{others}.", given.join(", "))
+        format!("System with these values of {}, each in the unit of its field{others}.", given.join(", "))
     };
     let default = given.is_empty().then(|| {
         let values = parameters.iter().map(|p| set(p, &|x| quote!(<S as #runtime::Scalar>::from_f64(#x))));
@@ -240,7 +251,7 @@ pub fn structure(model: &Model, documentation: &[String]) -> TokenStream {
 
         #[allow(non_snake_case, unused_variables, unused_mut)]
         impl<S> #name<S> {
-            /// The same system over other numbers: each parameter through `f`. A sweep puts lanes into the
+            /// System over another scalar: each parameter through `f`, in its unit. A sweep puts lanes into the
             /// parameters, a sensitivity duals.
             pub fn map<#other>(self, #mutable f: impl ::core::ops::FnMut(S) -> #other) -> #name<#other> {
                 #name { #(#mapped)* #phantom_value }

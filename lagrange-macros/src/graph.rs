@@ -240,6 +240,14 @@ impl Graph {
         self.intern(Node::Symbol(symbol)).into()
     }
 
+    /// The symbol that an expression is; none of any other expression.
+    pub fn alone(&self, v: Value) -> Option<Symbol> {
+        match self.node(v.node.filter(|_| v.k == Number::ONE)?) {
+            Node::Symbol(symbol) => Some(*symbol),
+            _ => None,
+        }
+    }
+
     /// Calls `visit` with each operand of a node that is not a constant.
     pub fn operands(&self, id: Id, mut visit: impl FnMut(Value)) {
         // Without optimisation an iterator over two operands takes several times as long as the two, and so do calls

@@ -162,7 +162,7 @@ pub trait RecommendedMethods<const N: usize>: Lagrangian<N, Scalar: Real> + Size
     type Accurate: Offered + Method<Self, N, Error: ErrorEstimate<Self::Scalar, N>>;
     /// The method for the last digits.
     type Fine: Offered + Method<Self, N>;
-    /// Its controller.
+    /// The step-size controller of [`Fine`](Self::Fine).
     type FineControl: Adaptive + Controller<Self::Scalar, N, <Self::Fine as Method<Self, N>>::Error>;
     /// The method for [`goal::LongTime`].
     type Geometric: Offered + Method<Self, N>;

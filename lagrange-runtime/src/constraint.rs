@@ -37,12 +37,12 @@ pub use slopes::differentiable;
     note = "constraints are `constraint name: f == 0;` inside `lagrangian! {{ … }}`"
 )]
 pub trait Constrained<const N: usize, const M: usize>: Lagrangian<N> {
-    /// `f(q, t)` of the constraints on positions, each in its own unit and in the order of
+    /// The M values `f(q, t)` of the constraints on positions, each in its own unit and in the order of
     /// [`Facts::constraints`](crate::system::Facts::constraints); 0 for those on velocities.
     fn constraints(&self, q: &SVector<Self::Scalar, N>, t: Self::Scalar) -> SVector<Self::Scalar, M>;
 
-    /// `A q̇ + b`, which vanishes: `df/dt` of constraints on positions, and those on velocities themselves, in the
-    /// order of [`constraints`](Self::constraints).
+    /// The M rates `A q̇ + b`, which vanish: `df/dt` of constraints on positions, in the unit of f per second, and
+    /// those on velocities themselves, in their own unit, in the order of [`constraints`](Self::constraints).
     fn constraint_rates(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -50,15 +50,17 @@ pub trait Constrained<const N: usize, const M: usize>: Lagrangian<N> {
         t: Self::Scalar,
     ) -> SVector<Self::Scalar, M>;
 
-    /// `A`, `M × N`, a row for each constraint: `∂f/∂q`, or the coefficients of the velocities.
+    /// `A`, `M × N`, a row for each constraint: `∂f/∂q`, in the unit of f per unit of the coordinate, or the
+    /// coefficients of the velocities.
     fn constraint_jacobian(
         &self,
         q: &SVector<Self::Scalar, N>,
         t: Self::Scalar,
     ) -> SMatrix<Self::Scalar, M, N>;
 
-    /// Multipliers `λ(q, q̇, t)`, in the order of the constraints: the generalized force of these is `Aᵀ λ`. The
-    /// multiplier of an `f` in m is a force in N, of an `f` in rad a moment in N m.
+    /// The M multipliers `λ(q, q̇, t)`, in the order of the constraints: the generalized force of these is `Aᵀ λ`. A
+    /// multiplier is in J per unit of `f`: that of an `f` in m is a force in N, of an `f` in rad a moment in N m, and
+    /// of an `f` in m² it is in N/m. The multiplier of a constraint on velocities is in W per unit of it.
     fn multipliers(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -67,8 +69,9 @@ pub trait Constrained<const N: usize, const M: usize>: Lagrangian<N> {
     ) -> SVector<Self::Scalar, M>;
 
     /// The response to an impulse P: `(x, Λ)` with `M x = P + Aᵀ Λ` and `A x = rates`. With no rates, x is the jump
-    /// of the velocities and Λ the impulses of the constraints; with no impulse, x is the smallest change, measured
-    /// by the inertia matrix, that changes the constraints by `rates`.
+    /// of the N velocities and Λ the M impulses of the constraints; with no impulse, x is the smallest change, measured
+    /// by the inertia matrix, that changes the constraints by `rates`. P is in N s of a length and N m s of an angle,
+    /// `rates` in the units of [`constraint_rates`](Self::constraint_rates), and Λ in those of the multipliers times s.
     fn response(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -78,7 +81,7 @@ pub trait Constrained<const N: usize, const M: usize>: Lagrangian<N> {
         rates: &SVector<Self::Scalar, M>,
     ) -> (SVector<Self::Scalar, N>, SVector<Self::Scalar, M>);
 
-    /// Generalized forces `Aᵀ λ` of all constraints, by coordinates: in N of a length, in N m of an angle.
+    /// The N generalized forces `Aᵀ λ` of all constraints, by coordinates: in N of a length, in N m of an angle.
     fn constraint_forces(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -125,7 +128,7 @@ pub trait Constrained<const N: usize, const M: usize>: Lagrangian<N> {
     note = "a prescribed coordinate is `coord name = f(t);` inside `lagrangian! {{ … }}`"
 )]
 pub trait Prescribed<const N: usize, const P: usize>: Lagrangian<N> {
-    /// The generalized forces that make the prescribed coordinates move as they do, in the order of
+    /// The P generalized forces that make the prescribed coordinates move as they do, in the order of
     /// [`Facts::prescribed`](crate::system::Facts::prescribed): what is left over in the equation of motion of the
     /// coordinate φ when it is let go, `R = d/dt ∂L/∂φ̇ − ∂L/∂φ + ∂D/∂φ̇ − Q` (Beatty 2006, 11.7.2). It is in N where φ
     /// is a length and in N m where it is an angle, and its power is R φ̇.

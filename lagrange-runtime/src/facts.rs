@@ -153,7 +153,7 @@ pub struct Symmetry {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct CommonSymmetry {
-    /// Names of what turns together.
+    /// Names of the parts that turn together.
     pub turned: &'static [&'static str],
     /// Number of the axis: 0, 1, 2 for x, y and z.
     pub axis: usize,

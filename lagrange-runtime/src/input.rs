@@ -36,10 +36,10 @@ pub trait Inputs<const N: usize, const K: usize>: System<N> {
     /// Names of the inputs, in the order of every vector of them.
     const INPUTS: [&'static str; K];
 
-    /// The inputs, in their own units.
+    /// The K inputs, each in its own unit.
     fn inputs(&self) -> SVector<Self::Scalar, K>;
 
-    /// Sets the inputs.
+    /// Sets the K inputs, each in its own unit.
     fn set_inputs(&mut self, inputs: &SVector<Self::Scalar, K>);
 }
 
@@ -49,7 +49,8 @@ pub trait Inputs<const N: usize, const K: usize>: System<N> {
     note = "systems with `input` in `lagrangian! {{ … }}` have them; of a system without inputs `StateSpace::without_inputs` is the linear model"
 )]
 pub trait InputJacobian<const N: usize, const K: usize>: Inputs<N, K> {
-    /// `∂q̈/∂u`, `N × K`, each column belonging to one input, in the order of [`INPUTS`](Inputs::INPUTS).
+    /// `∂q̈/∂u`, `N × K`, each column belonging to one input, in the order of [`INPUTS`](Inputs::INPUTS). The unit of
+    /// an element is that of the acceleration of its row per unit of its input.
     fn input_jacobian(
         &self,
         q: &SVector<Self::Scalar, N>,

@@ -28,14 +28,14 @@ use nalgebra::{SMatrix, SVector};
     note = "systems made by `lagrangian! {{ … }}` tell what follows from their parameters alone"
 )]
 pub trait Precompute<const N: usize>: System<N> + Sized {
-    /// These numbers.
+    /// The numbers that follow from the parameters alone.
     type Constants: Copy + Debug + PartialEq;
 
-    /// These numbers for the parameters as they are now.
+    /// The numbers that follow from the parameters as they are now.
     fn constants(&self) -> Self::Constants;
 
-    /// [`accel`](System::accel) by constants that were computed before. With those of other parameters the result is
-    /// wrong; [`precomputed`](Self::precomputed) sees to it that they belong together.
+    /// [`accel`](System::accel) by constants that were computed before, in the same units. With constants of other
+    /// parameters the result is wrong; [`precomputed`](Self::precomputed) sees to it that they belong together.
     fn accel_with(
         &self,
         constants: &Self::Constants,

@@ -52,15 +52,18 @@ pub trait Restricted<const N: usize, const HELD: usize, const WHOLE: usize>: Lag
     type Whole: Lagrangian<WHOLE, Scalar = Self::Scalar>;
     /// Indices, in the whole system, of the coordinates that are left.
     const KEPT: [usize; N];
-    /// Indices, in the whole system, of those that are held.
+    /// Indices, in the whole system, of the removed coordinates: those that are held, and those that follow the others.
     const REMOVED: [usize; HELD];
-    /// Which of them follow the others (`quasistatic`), so that no start is asked where they are.
+    /// Flags of the removed coordinates, in the order of [`REMOVED`](Self::REMOVED): true of one that follows the
+    /// others (`quasistatic`), whose value and velocity in a state of the whole system [`restrict`](Self::restrict)
+    /// does not read.
     const FOLLOWS: [bool; HELD];
 
     /// The system with the parameters of the whole one.
     fn of(whole: &Self::Whole) -> Self;
 
-    /// Values and velocities of the coordinates that are held, in the order of [`REMOVED`](Self::REMOVED).
+    /// Values and velocities of the removed coordinates, in the order of [`REMOVED`](Self::REMOVED): each value in the
+    /// unit of its coordinate, and each velocity in this unit per second.
     fn held(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -69,7 +72,7 @@ pub trait Restricted<const N: usize, const HELD: usize, const WHOLE: usize>: Lag
     ) -> (SVector<Self::Scalar, HELD>, SVector<Self::Scalar, HELD>);
 
     /// Velocities of a fast motion, whose mean the system follows (`average`), beside those of the mean: −M⁻¹ b̃ of
-    /// the coordinates that are left.
+    /// the N coordinates that are left, each in the unit of its coordinate per second; 0 where nothing was averaged.
     fn fast_velocities(&self, q: &SVector<Self::Scalar, N>, t: Self::Scalar) -> SVector<Self::Scalar, N> {
         let _ = (q, t);
         SVector::from_fn(|_, _| Self::Scalar::from_f64(0.0))

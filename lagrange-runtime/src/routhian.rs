@@ -25,7 +25,8 @@ use nalgebra::SVector;
     note = "write `routhian Reduced;` in the definition of the system, and reduce it by `system.reduce(&state)`"
 )]
 pub trait Routhian<const N: usize, const I: usize, const WHOLE: usize>: Lagrangian<N> {
-    /// The velocities of the I ignorable coordinates, in the order of the whole system, from `∂L/∂q̇ᵢ = pᵢ`.
+    /// The velocities of the I ignorable coordinates, in the order of the whole system, from `∂L/∂q̇ᵢ = pᵢ`: each in
+    /// the unit of its coordinate per second.
     fn ignorable_velocities(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -37,7 +38,8 @@ pub trait Routhian<const N: usize, const I: usize, const WHOLE: usize>: Lagrangi
         ignorable_velocities_at: ignorable_velocities -> SVector<Self::Scalar, I>;
     }
 
-    /// The state of the whole system, with these values of its ignorable coordinates.
+    /// The state of the whole system, with these values of its I ignorable coordinates, in the order of the whole
+    /// system and each in its own unit.
     fn expand(
         &self,
         state: &State<Self::Scalar, N>,

@@ -28,12 +28,12 @@ use rows::Rows;
     note = "a system with an `extern fn`, with a power whose exponent moves, or with constraints that follow from others, has none; use `Dop853` or `Verner9`"
 )]
 pub trait Analytic<const N: usize>: System<N> {
-    /// Signs of the switching functions: of each choice of `a < b` that of a − b, of `x.abs()` and `x.signum()` that
-    /// of x.
+    /// Values or signs of the switching functions, which are a − b of each choice of `a < b` and x of `x.abs()` and
+    /// `x.signum()`.
     type Sides: Switches<Self::Scalar>;
 
-    /// The equations have roots whose arguments may vanish where the accelerations are finite. There is no series at
-    /// such a state, which [`Taylor`](const@crate::Taylor) leaves by collocation.
+    /// True if the equations have roots whose arguments may vanish where the accelerations are finite. There is no
+    /// series at such a state, which [`Taylor`](const@crate::Taylor) leaves by collocation.
     const ROOTS: bool = false;
 
     /// The recurrences are so long that they are compiled once, and only what takes most of their time for better
@@ -41,7 +41,7 @@ pub trait Analytic<const N: usize>: System<N> {
     #[doc(hidden)]
     const LONG: bool = false;
 
-    /// Values of the switching functions; one that names another takes that to be on its side.
+    /// Values of the switching functions, each in its own unit; one that names another takes that to be on its side.
     fn switching(&self, at: &State<Self::Scalar, N>, sides: &Self::Sides) -> Self::Sides;
 
     /// Writes the series of the motion through `at` on these sides of the switches, with `order` coefficients of the
@@ -55,7 +55,7 @@ pub trait Analytic<const N: usize>: System<N> {
         motion: &mut TaylorSeries<Self::Scalar, N, K>,
     ) -> [Self::Sides; K];
 
-    /// On which sides a state is.
+    /// The sides of the switches on which a state is.
     #[cfg_attr(not(debug_assertions), inline(always))]
     fn sides(&self, at: &State<Self::Scalar, N>) -> Self::Sides {
         let mut sides = Self::Sides::zero().signs();
@@ -67,6 +67,7 @@ pub trait Analytic<const N: usize>: System<N> {
     }
 
     /// The series of the motion through `at`, with `order` coefficients of the accelerations, at most K − 2.
+    /// Coefficient k of a coordinate is in its unit per s^k.
     fn series<const K: usize>(
         &self,
         at: &State<Self::Scalar, N>,

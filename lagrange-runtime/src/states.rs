@@ -45,23 +45,24 @@ pub trait States<const N: usize, const M: usize, const K: usize>: System<N> {
     /// Names of the states, in the order of every vector of them.
     const STATES: [&'static str; K];
 
-    /// Values of the states at a start, as the definition says; 0 where it says nothing.
+    /// Values of the K states at a start, each in its own unit, as the definition says; 0 where it says nothing.
     fn initial_states(&self) -> SVector<Self::Scalar, K>;
 
-    /// The states.
+    /// The K states, each in its own unit.
     #[inline]
     fn states(&self, at: &State<Self::Scalar, N>) -> SVector<Self::Scalar, K> {
         SVector::from_fn(|k, _| at.qd[M + k])
     }
 
-    /// Sets the states.
+    /// Sets the K states, each in its own unit.
     #[inline]
     fn set_states(&self, at: &mut State<Self::Scalar, N>, states: &SVector<Self::Scalar, K>) {
         (0..K).for_each(|k| at.qd[M + k] = states[k]);
     }
 
-    /// The state with these coordinates and velocities, the states of first order at their initial values, and their
-    /// integrals 0.
+    /// The state at time t, in s, with these M coordinates and their velocities, the states of first order at their
+    /// initial values, and their integrals 0. Each coordinate is in its own unit, and its velocity in this unit per
+    /// second.
     fn start(&self, t: Self::Scalar, q: [Self::Scalar; M], qd: [Self::Scalar; M]) -> State<Self::Scalar, N> {
         let (zero, states) = (Self::Scalar::zero(), self.initial_states());
         State {

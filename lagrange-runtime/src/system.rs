@@ -34,8 +34,9 @@ pub trait System<const N: usize> {
     /// The number type: `f64`, a pack of lanes, a dual.
     type Scalar: Scalar;
 
-    /// Generalized accelerations `q̈(q, q̇, t)`, in m/s² of a length and rad/s² of an angle; the last elements are the
-    /// rates of [states of first order](crate::traits::States).
+    /// The N generalized accelerations `q̈(q, q̇, t)`, each in the unit of its coordinate per s²: m/s² of a length and
+    /// rad/s² of an angle. The last elements are the rates of [states of first order](crate::traits::States), each in
+    /// the unit of its state per second.
     fn accel(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -288,8 +289,10 @@ pub trait System<const N: usize> {
 
 /// Everything that follows from a Lagrangian besides the accelerations. Emitted for every `lagrangian!` system.
 ///
-/// Vectors have an element for each coordinate, and matrices a row and a column. A generalized force is in N where the
-/// coordinate is a length and in N m where it is an angle, a momentum in N s and N m s.
+/// Vectors have an element for each coordinate, and matrices a row and a column. Units are those of the SI, unless the
+/// definition is written in others. A generalized force is in J per unit of its coordinate: in N where that is a length
+/// and in N m where it is an angle. A momentum is in J s per unit of its coordinate: in N s of a length and in N m s of
+/// an angle.
 #[diagnostic::on_unimplemented(
     message = "this needs the Lagrangian of `{Self}` (momenta, inertia, forces), not its accelerations alone",
     note = "systems made by `lagrangian! {{ … }}` have it"
@@ -312,7 +315,7 @@ pub trait Lagrangian<const N: usize>: System<N> {
         t: Self::Scalar,
     ) -> Self::Scalar;
 
-    /// Generalized momenta `p = ∂L/∂q̇`.
+    /// The N generalized momenta `p = ∂L/∂q̇`, in N s of a length and N m s of an angle.
     fn momenta(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -328,8 +331,8 @@ pub trait Lagrangian<const N: usize>: System<N> {
         t: Self::Scalar,
     ) -> Self::Scalar;
 
-    /// Inertia matrix `M = ∂²L/∂q̇²`, symmetric, `N × N`, in kg of lengths and kg m² of angles. It depends on `q̇` only
-    /// where L is not quadratic in it.
+    /// Inertia matrix `M = ∂²L/∂q̇²`, symmetric, `N × N`, in kg of lengths, kg m² of angles and kg m between the two.
+    /// It depends on `q̇` only where L is not quadratic in it.
     fn inertia(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -337,8 +340,9 @@ pub trait Lagrangian<const N: usize>: System<N> {
         t: Self::Scalar,
     ) -> SMatrix<Self::Scalar, N, N>;
 
-    /// Convective rate of the momenta, `b = (∂p/∂q) q̇ + ∂p/∂t`: their rate at zero acceleration, so that
-    /// `M q̈ + b = f`. It has no gravity and no other force: the bias force of robotics is `b − f`.
+    /// Convective rate of the N momenta, `b = (∂p/∂q) q̇ + ∂p/∂t`: their rate at zero acceleration, so that
+    /// `M q̈ + b = f`, in N of a length and N m of an angle. It has no gravity and no other force: the bias force of
+    /// robotics is `b − f`.
     fn convective_momentum_rate(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -346,7 +350,8 @@ pub trait Lagrangian<const N: usize>: System<N> {
         t: Self::Scalar,
     ) -> SVector<Self::Scalar, N>;
 
-    /// Rate of the momenta by forces, `f = ∂L/∂q − ∂D/∂q̇ + Q`: it is `dp/dt` where no constraint acts.
+    /// Rate of the N momenta by forces, `f = ∂L/∂q − ∂D/∂q̇ + Q`, in N of a length and N m of an angle: it is `dp/dt`
+    /// where no constraint acts.
     fn momentum_rate(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -370,7 +375,7 @@ pub trait Lagrangian<const N: usize>: System<N> {
         t: Self::Scalar,
     ) -> Self::Scalar;
 
-    /// Exact derivatives of [`System::accel`].
+    /// Exact derivatives of [`System::accel`] by coordinates, velocities and time.
     fn jacobian(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -397,7 +402,7 @@ pub trait Lagrangian<const N: usize>: System<N> {
     note = "write `T = …; V = …;` instead of `L = …;`, or use the energy function `energy_function`"
 )]
 pub trait Energies<const N: usize>: Lagrangian<N> {
-    /// Kinetic energy `T(q, q̇, t)`.
+    /// Kinetic energy `T(q, q̇, t)`, in J.
     fn kinetic(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -405,10 +410,10 @@ pub trait Energies<const N: usize>: Lagrangian<N> {
         t: Self::Scalar,
     ) -> Self::Scalar;
 
-    /// Potential energy `V(q, t)`.
+    /// Potential energy `V(q, t)`, in J.
     fn potential(&self, q: &SVector<Self::Scalar, N>, t: Self::Scalar) -> Self::Scalar;
 
-    /// Total energy `E = T + V`.
+    /// Total energy `E = T + V`, in J.
     #[inline]
     fn energy(
         &self,
@@ -458,7 +463,8 @@ pub trait Energies<const N: usize>: Lagrangian<N> {
     note = "use a method on (q, q̇), such as `Dop853`"
 )]
 pub trait LegendreTransform<const N: usize>: Independent<N> {
-    /// The N velocities `q̇` with `∂L/∂q̇ = p`, the momenta being in the order of the coordinates.
+    /// The N velocities `q̇` with `∂L/∂q̇ = p`, each in the unit of its coordinate per second. The N momenta are in the
+    /// order of the coordinates, in N s of a length and N m s of an angle.
     fn velocities(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -515,8 +521,8 @@ pub trait Linear<const N: usize>: Lagrangian<N> {}
     note = "systems made by `lagrangian! {{ … }}` have them"
 )]
 pub trait Linearize<const N: usize>: Lagrangian<N> {
-    /// Exact derivatives of `b − f`. About a state without accelerations (an equilibrium, a steady motion) small
-    /// deviations obey `M δq̈ + damping δq̇ + stiffness δq = 0`.
+    /// Exact derivatives of `b − f`, two `N × N` matrices. About a state without accelerations (an equilibrium, a
+    /// steady motion) small deviations obey `M δq̈ + damping δq̇ + stiffness δq = 0`.
     fn linearize(
         &self,
         q: &SVector<Self::Scalar, N>,
@@ -543,11 +549,11 @@ pub struct Linearization<S, const N: usize> {
 /// Derivatives of the accelerations, each column belonging to one coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Jacobian<S, const N: usize> {
-    /// `∂q̈/∂q`, `N × N`.
+    /// `∂q̈/∂q`, `N × N`, in 1/s² between coordinates of one unit.
     pub q: SMatrix<S, N, N>,
-    /// `∂q̈/∂q̇`, `N × N`.
+    /// `∂q̈/∂q̇`, `N × N`, in 1/s between coordinates of one unit.
     pub qd: SMatrix<S, N, N>,
-    /// `∂q̈/∂t`, at fixed q and q̇.
+    /// `∂q̈/∂t`, at fixed q and q̇, N elements, each in the unit of its coordinate per s³.
     pub t: SVector<S, N>,
 }
 

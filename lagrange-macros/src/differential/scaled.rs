@@ -194,7 +194,7 @@ fn documentation_shows_groups_and_units() {
     );
     assert_eq!(
         shown("param mu; coord r, a; T = 0.5 * (dot(r).powi(2) + (r * dot(a)).powi(2)); V = -mu / r;"),
-        ["- Similar motions: `t` × λ³, `r` × λ²."]
+        ["- Similar motions, for each λ > 0: `t` × λ³, `r` × λ²."]
     );
     assert_eq!(
         shown("param k, w; coord x; coord y = sin(w * t); T = dot(x).powi(2); V = k * (x - y).powi(4);"),

@@ -63,10 +63,13 @@ pub fn methods(
         };
     if named.kind == Kind::Direction {
         let [read, set] = DIRECTION_FUNCTIONS;
-        let says = format!("The direction `{of}`, a unit vector to rounding.");
+        let says = format!(
+            "The direction `{of}`: three components without unit in the axes of the world, of length 1 to rounding."
+        );
         let read = reads(read, quote!(direction), &vector, says);
         let says = format!(
-            "The same state with the direction `{of}` along this vector, of any length but 0, and with what this velocity has across it."
+            "The state `at` with the direction `{of}` along the vector `direction`, of any length but 0, and with the part of \
+             `velocity`, in 1/s, that is perpendicular to it."
         );
         let arguments = [quote!(direction), quote!(velocity)];
         let set = sets(set, quote!(with_direction), arguments, &vector, says);
@@ -75,15 +78,17 @@ pub fn methods(
     let quaternion = quote!(#runtime::UnitQuaternion<S>);
     let [read, velocity, set] = ATTITUDE_FUNCTIONS;
     let says = format!(
-        "The attitude `{of}`: it takes components in the turned axes to those in the axes of the parent."
+        "The attitude `{of}`, a unit quaternion: it takes components in the turned axes to those in the axes of the parent."
     );
     let read = reads(read, quote!(attitude), &quaternion, says);
     let says = format!(
-        "Angular velocity of `{of}`, by its components in the turned axes. (`R` times it: in those of the parent.)"
+        "Angular velocity of `{of}` in rad/s: three components in the turned axes. The attitude takes them to the axes of \
+             the parent."
     );
     let velocity = reads(velocity, quote!(angular_velocity), &vector, says);
     let says = format!(
-        "The same state with this attitude `{of}`, and its angular velocity by its components in the turned axes."
+        "The state `at` with this attitude of `{of}`, and with this angular velocity in rad/s: three components in the \
+             turned axes."
     );
     let arguments = [quote!(attitude), quote!(angular_velocity)];
     let set = sets(set, quote!(with_attitude), arguments, &quaternion, says);

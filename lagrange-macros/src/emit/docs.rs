@@ -12,7 +12,7 @@ use crate::graph::normal::EXPANSIONS;
 use crate::graph::{Graph, Number, Symbol, Value};
 use crate::model::submodel::{Made, Origin};
 use crate::model::{Attitude, Coordinate, Model, NamedEvent, Reduction, indexed};
-use crate::syntax::Direction;
+use crate::syntax::{Direction, Kind};
 use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 use std::borrow::Cow;
 use std::ffi::OsString;
@@ -69,9 +69,14 @@ pub fn documentation(d: &Derived) -> Vec<String> {
     lines.extend([String::new(), "# Equations of motion".into(), String::new()]);
     let residuals = if short || !model.framed { &shown.residuals[..] } else { &[] };
     if residuals.is_empty() {
-        lines.push(
-            "Too many to print: M q̈ + b = f, with the functions `inertia`, `convective_momentum_rate` and `momentum_rate`.".into(),
-        );
+        let (reaction, function) = match d.model.constraints.is_empty() {
+            true => ("", ""),
+            false => (" + Aᵀ λ", ", A of `constraint_jacobian` and λ of `multipliers`"),
+        };
+        lines.push(format!(
+            "The equations are too long to print. They are M q̈ + b = f{reaction}, with M of the function `inertia`, b of \
+             `convective_momentum_rate`, f of `momentum_rate`{function}."
+        ));
     }
     for residual in residuals {
         lines.push(writer.vanishing(*residual).unwrap_or_else(|| TOO_LONG.into()));
@@ -113,17 +118,17 @@ fn written(model: &Model) -> Vec<String> {
         return vec![TOO_LONG.into()];
     }
     let what = match (model.framed, &model.energies) {
-        (true, _) => "Of frames and bodies, as they were written, with L = T − V:",
-        (false, Some(_)) => "As it was written, with L = T − V:",
-        (false, None) => "As it was written:",
+        (true, _) => "Frames and bodies as they were written, with L = T − V:",
+        (false, Some(_)) => "Energies as they were written, with L = T − V:",
+        (false, None) => "L as it was written:",
     };
     let mut lines = vec![what.into(), String::new(), "```text".into()];
     lines.extend(model.written.iter().map(|(left, right)| format!("{left} = {};", spaced(right.clone()))));
     lines.extend(["```".into(), String::new()]);
     if model.framed {
         lines.push(
-            "Each frame in space moves with the velocity v of its origin and the angular velocity ω in its own axes. For \
-             these the equations were formed, by Euler and Poincaré, and then carried to the coordinates."
+            "Each frame in space moves with the velocity v of its origin and the angular velocity ω in its own axes. The \
+             equations were formed for these (Euler–Poincaré) and then carried to the coordinates."
                 .into(),
         );
         lines.push(String::new());
@@ -191,10 +196,12 @@ fn reduction(model: &Model, velocities: &[Value], writer: &Writer) -> Vec<String
         String::new(),
         format!(
             "[`{of}`] without the ignorable coordinate{s} {}: the Routhian R = L − Σ pᵢ q̇ᵢ with the constant \
-             moment{} {} is its Lagrangian. What was removed moves with",
+             moment{} {} is its Lagrangian. The velocit{} that {} removed:",
             labels.join(", "),
             if removed.len() == 1 { "um" } else { "a" },
             momenta.join(", "),
+            if removed.len() == 1 { "y" } else { "ies" },
+            if removed.len() == 1 { "was" } else { "were" },
         ),
     ];
     for (r, value) in removed.iter().zip(velocities) {
@@ -214,13 +221,16 @@ fn restriction(d: &Derived, writer: &Writer) -> Vec<String> {
         places.map(|(held, value)| format!("`{}` = {}", held.label, inline(*value))).collect();
     let at = if places.is_empty() { String::new() } else { format!(" at {}", places.join(", ")) };
     if *exact {
-        let text =
-            format!("[`{of}`]{at}. What starts there stays there, which is proved, so this system is exact.");
+        let text = format!(
+            "[`{of}`]{at}. This system is exact: a motion that starts there is proved to stay there."
+        );
         return vec![String::new(), text];
     }
     let mut lines = vec![
         String::new(),
-        format!("[`{of}`]{at}, simplified. It is no more exact than what is left out is small:"),
+        format!(
+            "[`{of}`]{at}, simplified. The error of this system grows with the terms that these moves leave out:"
+        ),
         String::new(),
     ];
     lines.extend(moves.iter().map(|Made { words, remainders }| {
@@ -316,10 +326,12 @@ fn facts(d: &Derived, writer: &Writer) -> Vec<String> {
     };
     let mut lines = Vec::new();
     let all: Vec<usize> = (0..n).collect();
-    let names = if n <= 12 { format!(": {}", listed(&all)) } else { String::new() };
-    let coordinates = match m {
-        0 => names,
-        _ => format!(" ({n} coordinates{names}; constraints: {m})"),
+    let names = if n <= 12 { listed(&all) } else { String::new() };
+    let coordinates = match (m, n <= 12) {
+        (0, true) => format!(" ({names})"),
+        (0, false) => String::new(),
+        (_, true) => format!(" ({n} coordinates: {names}; constraints: {m})"),
+        (_, false) => format!(" ({n} coordinates; constraints: {m})"),
     };
     let freedoms = match &e.formed.rows.redundancy {
         None => (n - m).to_string(),
@@ -348,11 +360,11 @@ fn facts(d: &Derived, writer: &Writer) -> Vec<String> {
         let of = indexed(&attitude.name.to_string(), attitude.index);
         let constant = conserved(d, attitude);
         if !constant.is_empty() {
-            lines.push(format!("- The angular momentum of `{of}`: {constant}."));
+            lines.push(format!("- Angular momentum of `{of}`: {constant}."));
         }
     }
     if !e.symmetries.common.is_empty() {
-        lines.push(format!("- Constant angular momenta of what turns together: {}.", common(d)));
+        lines.push(format!("- Constant angular momenta of parts that turn together: {}.", common(d)));
     }
     if n <= MAX_SHOWN_COORDINATES && n > 1 {
         for i in invariant(d) {
@@ -405,7 +417,8 @@ fn facts(d: &Derived, writer: &Writer) -> Vec<String> {
         .filter(|c| c.0 > 0)
         .map(|(n, what)| format!("{n} {what}{}", if *n == 1 { "" } else { "s" }))
         .collect();
-    lines.push(format!("- Cost of `accel`: {}.", counts.join(", ")));
+    let counts = if counts.is_empty() { "none".into() } else { counts.join(", ") };
+    lines.push(format!("- Operations of `accel`: {counts}."));
     lines
 }
 
@@ -439,7 +452,7 @@ fn scales(d: &Derived) -> Vec<String> {
             let names = ["t".into()].into_iter().chain(model.coordinates.iter().map(Coordinate::label));
             let scaled = names.zip(exponents).filter(|(_, k)| !k.is_zero());
             let scaled: Vec<String> = scaled.map(|(name, k)| format!("`{name}` × λ{}", power(*k))).collect();
-            format!("- Similar motions: {}.", scaled.join(", "))
+            format!("- Similar motions, for each λ > 0: {}.", scaled.join(", "))
         }));
     }
     lines
@@ -495,7 +508,7 @@ fn superscript(n: i64) -> String {
     n.to_string().chars().map(digit).collect()
 }
 
-/// The coordinates in their order; of many, those of one name by the first and the last.
+/// The coordinates in their order, with their units; of many, those of one name by the first and the last.
 fn usage(model: &Model) -> Vec<String> {
     let mut runs: Vec<(&Coordinate, &Coordinate)> = Vec::new();
     for c in &model.coordinates {
@@ -508,8 +521,31 @@ fn usage(model: &Model) -> Vec<String> {
         (first, last) if first == last => format!("`{first}`"),
         (first, last) => format!("`{first}` to `{last}`"),
     };
-    let runs: Vec<String> = runs.iter().map(run).collect();
-    vec![String::new(), format!("The order of coordinates in every vector is {}.", runs.join(", "))]
+    let unit = |kind: Kind| match kind {
+        Kind::Angle => " (rad)",
+        Kind::Length => " (m)",
+        Kind::Rotation => " (parameters without unit)",
+        Kind::Direction => " (components without unit)",
+        Kind::Plain | Kind::State => "",
+    };
+    let alike: Vec<String> = runs
+        .chunk_by(|a, b| a.0.kind == b.0.kind)
+        .map(|runs| runs.iter().map(run).collect::<Vec<_>>().join(", ") + unit(runs[0].0.kind))
+        .collect();
+    let multipliers = match model.constraints.is_empty() {
+        true => "",
+        false => ", a multiplier in J per unit of its constraint, or in W per unit of one on velocities",
+    };
+    vec![
+        String::new(),
+        format!("The order of coordinates in every vector is {}.", alike.join(", ")),
+        String::new(),
+        format!(
+            "Units are those of the SI, unless the definition is written in others: t in s, energies in J, a velocity in the \
+             unit of its coordinate per s, a generalized force in J per unit of its coordinate (N of a length, N m of an \
+             angle), a momentum in J s per unit of its coordinate{multipliers}."
+        ),
+    ]
 }
 
 /// The states of first order, if there are any.
@@ -519,9 +555,11 @@ fn states(model: &Model) -> Vec<String> {
     if labels.is_empty() {
         return Vec::new();
     }
-    let text = "of first order. They are the last entries of `qd`, their rates those of `accel`; the entries of `q` beside them \
-                are their time integrals, on which nothing depends, and `momenta` and `inertia` have them and 1";
-    vec![String::new(), "# States".into(), String::new(), format!("{}: {text}.", labels.join(", "))]
+    let text = "The states are the last elements of `qd`, each in its own unit, and their rates, in this unit per s, the last of \
+                `accel`. The last elements of `q` are their time integrals, on which nothing depends. `momenta` has the states \
+                in these places, and `inertia` 1 on its diagonal.";
+    let labels = format!("States of first order: {}. {text}", labels.join(", "));
+    vec![String::new(), "# States".into(), String::new(), labels]
 }
 
 /// The inputs, if there are any.
@@ -530,9 +568,10 @@ fn inputs(model: &Model) -> Vec<String> {
     if labels.is_empty() {
         return Vec::new();
     }
-    let text =
-        "held within a step and set between steps. What is said of the motion above holds while they are";
-    vec![String::new(), "# Inputs".into(), String::new(), format!("{}: {text}.", labels.join(", "))]
+    let text = "Inputs are constant within a step and set between steps, each in its own unit. The facts above hold while they are \
+                constant.";
+    let labels = format!("Order of the inputs: {}. {text}", labels.join(", "));
+    vec![String::new(), "# Inputs".into(), String::new(), labels]
 }
 
 /// The events with their functions, if there are any.
@@ -570,7 +609,7 @@ pub fn conserved(d: &Derived, attitude: &Attitude) -> String {
         (!axes.is_empty()).then(|| axes.join(", "))
     };
     let parent = of(false).map(|axes| format!("constant along {axes} of its parent"));
-    let own = of(true).map(|axes| format!("constant along {axes} of its own"));
+    let own = of(true).map(|axes| format!("constant along its own axes {axes}"));
     [parent, own].into_iter().flatten().collect::<Vec<_>>().join(", and ")
 }
 

@@ -18,12 +18,20 @@ pub fn constant(
 ) -> TokenStream {
     let constant = Ident::new(&event.constant(), event.name.span());
     let (direction, way) = match event.direction {
-        Direction::Rising => (quote!(Rising), ", rising"),
-        Direction::Falling => (quote!(Falling), ", falling"),
-        Direction::Either => (quote!(Either), ""),
+        Direction::Rising => (quote!(Rising), "rises"),
+        Direction::Falling => (quote!(Falling), "falls"),
+        Direction::Either => (quote!(Either), "passes"),
     };
-    let end = if event.terminal { ". It ends a run" } else { "" };
-    let text = unless_documented(&event.attributes, || format!("Event `{}`{way}{end}.", event.name));
+    let text = unless_documented(&event.attributes, || {
+        let end = if event.terminal { " A run ends there." } else { "" };
+        let of = match *scalar {
+            true => format!("Event `{}`: its function", event.name),
+            false => {
+                format!("Events `{}`, one for each of {} functions: the function", event.name, values.len())
+            }
+        };
+        format!("{of}, in its own unit, {way} through 0.{end}")
+    });
     let (attributes, terminal, count) = (&event.attributes, event.terminal, values.len());
     let ty = quote!(#runtime::Event<#runtime::Compiled<#system<f64>>>);
     let value = |i: usize| {

@@ -306,7 +306,7 @@ fn number(k: Number) -> String {
     }
 }
 
-/// A name and its index: `th1` and `x[2]` and `m_a` have one.
+/// A name and its index: `th1` and `x[2]` and `m_a` have one, `A[0][1]` two in one.
 fn split(name: &str) -> (&str, Option<&str>) {
     if let Some((base, index)) = name.split_once('[') {
         return (base, Some(index.trim_end_matches(']')));
@@ -345,6 +345,9 @@ pub fn identifier(name: &str) -> String {
 }
 
 fn index_text(index: &str) -> String {
+    if let Some((first, second)) = index.split_once("][") {
+        return format!("<mrow>{}<mo>,</mo>{}</mrow>", index_text(first), index_text(second));
+    }
     if index.chars().all(|c| c.is_ascii_digit()) { format!("<mn>{index}</mn>") } else { letters(index) }
 }
 
@@ -401,6 +404,10 @@ mod tests {
         assert_eq!(identifier("theta"), "<mi>θ</mi>");
         assert_eq!(identifier("th1"), "<msub><mi>θ</mi><mn>1</mn></msub>");
         assert_eq!(identifier("x[2]"), "<msub><mi>x</mi><mn>2</mn></msub>");
+        assert_eq!(
+            identifier("A[0][1]"),
+            "<msub><mi>A</mi><mrow><mn>0</mn><mo>,</mo><mn>1</mn></mrow></msub>"
+        );
         assert_eq!(identifier("I3"), "<msub><mi>I</mi><mn>3</mn></msub>");
         assert_eq!(identifier("mass"), "<mi>mass</mi>");
     }

@@ -2,9 +2,10 @@
 
 use super::body::Results;
 use super::{Emitter, docs, forced_inlining, unless_documented, whole};
+use crate::equations::constraints::ConstraintKind;
 use crate::equations::{Derived, symmetry};
 use crate::graph::{Symbol, Value};
-use crate::model::{Layout, Model};
+use crate::model::{Layout, Model, Observed};
 use crate::table::{Argument, Computation, Inlining, Output, Part, Q, STATE, Shape, Size, T, Trait, given};
 use proc_macro2::{Ident, Span, TokenStream};
 use quote::{ToTokens, format_ident, quote};
@@ -268,8 +269,13 @@ impl Emitter<'_> {
         self.methods(struck.map(|(s, generalized)| {
             let takes = [Q, T, given("impulse", shape(s.scalar, s.position.len()))];
             let text = || {
+                let components = match s.scalar {
+                    true => "one component".into(),
+                    false => format!("{} components", s.position.len()),
+                };
                 format!(
-                    "The generalized impulse, in the order of the coordinates, of an impulse at the point `{}`.",
+                    "Generalized impulse of an impulse at the point `{}`: an element for each coordinate, in N s of a length \
+                     and N m s of an angle. `impulse` has {components} in N s, along those of the point.",
                     s.name
                 )
             };
@@ -292,11 +298,7 @@ impl Emitter<'_> {
                 Layout::Vector => Shape::Vector(Size::Fixed(values.len())),
                 Layout::Matrix(rows) => Shape::Matrix(Size::Fixed(rows), Size::Fixed(values.len() / rows)),
             };
-            let text =
-                unless_documented(&o.attributes, || match model.states.iter().any(|s| s.name == o.name) {
-                    true => format!("The state of first order `{}`.", o.name),
-                    false => format!("The observed quantity `{}`.", o.name),
-                });
+            let text = unless_documented(&o.attributes, || self.documentation_of_output(o));
             let (attributes, inline) = (&o.attributes, forced_inlining());
             let signature = self.signature(&o.name, STATE, gives);
             let head = quote!(#inline #(#attributes)* #text pub #signature);
@@ -305,6 +307,41 @@ impl Emitter<'_> {
             let at_state = self.at_state(&o.name, gives, body);
             quote!(#function #at_state)
         }))
+    }
+
+    /// The documentation of an output of the user's: its shape and units.
+    fn documentation_of_output(&self, o: &Observed) -> String {
+        let model = &self.d.model;
+        let (name, n) = (&o.name, o.values.len());
+        if model.states.iter().any(|s| s.name == *name) {
+            let elements = if o.layout == Layout::Scalar { String::new() } else { format!(": {n} elements") };
+            return format!("State of first order `{name}`{elements}, in its own unit.");
+        }
+        let whole =
+            o.values.first().filter(|_| o.layout == Layout::Scalar).and_then(|v| self.d.graph.alone(*v));
+        match (whole, o.layout) {
+            (Some(Symbol::Multiplier(j)), _) => format!(
+                "Output `{name}`: the multiplier of the constraint `{}`, in {} per unit of the constraint.",
+                model.constraints[j].label(),
+                match self.d.equations.formed.rows.kinds[j] {
+                    ConstraintKind::Holonomic => "J",
+                    ConstraintKind::Integrable | ConstraintKind::Nonholonomic => "W",
+                }
+            ),
+            (Some(Symbol::Reaction(k)), _) => format!(
+                "Output `{name}`: the generalized force that makes `{0}` move as it does, in J per unit of `{0}` (N of a \
+                 length, N m of an angle).",
+                model.prescribed[k].name
+            ),
+            (_, Layout::Scalar) => format!("Output `{name}`, in the unit of its formula."),
+            (_, Layout::Vector) => format!("Output `{name}`: {n} elements, in the units of their formulas."),
+            (_, Layout::Matrix(rows)) => {
+                format!(
+                    "Output `{name}`: a matrix of {rows} × {} elements, in the units of their formulas.",
+                    n / rows
+                )
+            }
+        }
     }
 
     /// These values at the state `at`, by its accelerations and multipliers.
@@ -382,12 +419,13 @@ impl Emitter<'_> {
             let gives = shape(false, values.len());
             let text = match attitude.index {
                 None => format!(
-                    "Angular momentum of `{}`, its momentum as a rotation, in the axes of the parent: {}.",
+                    "Angular momentum of `{}` in N m s, its momentum as a rotation: three components in the axes of the parent, {}.",
                     attitude.name,
                     docs::conserved(self.d, attitude)
                 ),
                 Some(_) => format!(
-                    "Angular momenta of `{}`, three components in the axes of the parent for each; 0 where none is constant.",
+                    "Angular momenta of `{}` in N m s: three components in the axes of the parent for each element; 0 where none \
+                     is constant.",
                     attitude.name
                 ),
             };
@@ -402,7 +440,7 @@ impl Emitter<'_> {
             let values: Vec<Value> = common.iter().map(|s| s.momentum).collect();
             let gives = shape(false, values.len());
             let text = format!(
-                "Constant angular momenta of what turns together about axes of the world: {}.",
+                "Constant angular momenta in N m s of parts that turn together about axes of the world, an element for each: {}.",
                 docs::common(self.d)
             );
             let (signature, inline) = (self.signature(&name, STATE, gives), forced_inlining());

@@ -23,8 +23,8 @@ impl Emitter<'_> {
         let fields = fields.chain(data.map(|field| quote!(#field: self.#field.clone(),)));
         let momenta = removed.iter().map(|Removed { momentum, index, .. }| quote!(#momentum: p[#index],));
         let text = format!(
-            "The system without its ignorable coordinates, with the momenta that it has in `state`, and the state of \
-             what is left: [`{name}`]."
+            "The system [`{name}`] without the ignorable coordinates, with the momenta that they have in `state`, and the \
+             state of the other coordinates."
         );
         // Where each coordinate of the whole system comes from.
         let back = |left: TokenStream, out: TokenStream| {

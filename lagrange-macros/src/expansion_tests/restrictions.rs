@@ -87,7 +87,7 @@ fn what_is_left_out_is_in_the_documentation() {
     );
     assert_eq!(
         plain(&small),
-        "[`A`] at `x` = 0, simplified. It is no more exact than what is left out is small:\n\n\
+        "[`A`] at `x` = 0, simplified. The error of this system grows with the terms that these moves leave out:\n\n\
          - `lock x = 0`\n- `neglect stiff`, without \u{2212}14ny4 of L\n- `neglect n`, without 12ny2y˙2 of L\n\
          - `expand y to 2 about 0`, without terms that begin with \u{2212}124ky4 of V\n",
         "{small}"

@@ -181,14 +181,15 @@ impl<Of> fmt::Debug for Compiled<Of> {
     note = "an event is written `event name: g;` in `lagrangian! {{ … }}`, or as a closure, `Event::rising(|at| …)`"
 )]
 pub trait CompiledEvents<const N: usize>: System<N> {
-    /// The type whose constants the events are.
+    /// The system over `f64`, which has the events as constants.
     type Of;
 
-    /// g(q, q̇, t) of the event of this index.
+    /// The function g(q, q̇, t) of the event of this index, in its own unit.
     fn event_value(&self, event: usize, at: &State<Self::Scalar, N>) -> Self::Scalar;
 
-    /// ġ and g̈ of the event along a motion with the accelerations q̈. g̈ is known where g depends on positions and
-    /// time alone; neither is where its expression would be longer than what it saves.
+    /// The rates ġ and g̈ of the event along a motion with the accelerations q̈, in the unit of g per s and per s².
+    /// g̈ is known where g depends on positions and time alone; neither is where its expression would be longer than
+    /// what it saves.
     fn event_rates(
         &self,
         event: usize,

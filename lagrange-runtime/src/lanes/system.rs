@@ -16,7 +16,7 @@ pub trait Rescale<const N: usize>: System<N> {
     /// The system over `R`.
     type Over<R: Scalar>: System<N, Scalar = R>;
 
-    /// Each parameter through `f`, always in the same order.
+    /// The system with each parameter through `f`, always in the same order.
     fn over<R: Scalar>(&self, f: impl FnMut(Self::Scalar) -> R) -> Self::Over<R>;
 
     /// Gives a lane of `packed` the data of functions that this system has, see
