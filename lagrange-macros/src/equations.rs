@@ -27,6 +27,7 @@ pub mod statics;
 pub mod structure;
 pub mod submodel;
 pub mod symmetry;
+pub mod text;
 
 use crate::diagnostics::Errors;
 use crate::graph::Graph;

@@ -4,9 +4,10 @@
 //! so, and momenta are those of the changed L.
 
 use super::assemble::{Form, exert, flatten, flattened};
-use super::check::sample;
+use super::check::{TRIALS, sample};
 use super::common::{MAX_EXPANDED_COORDINATES, independent, shortest};
 use super::routhian::cheapest;
+use super::text::Writer;
 use crate::graph::{Function, Graph, Id, Node, Number, Symbol, Value};
 use crate::model::frames::Frames;
 use crate::model::submodel::{Change, Hold, Made};
@@ -94,6 +95,7 @@ pub fn apply(
             flat(g, model);
             let places = places(g, model, holds, whole, numbers)?;
             let [_, _, square] = degrees(g, model)?;
+            finite(g, model, &places, square, "")?;
             let at = g.substitute(&[square], |s| match s {
                 Symbol::Coordinate(i) => places.iter().find(|p| p.0 == i).map(|p| p.1),
                 _ => None,
@@ -193,7 +195,7 @@ fn places(
                 Symbol::Parameter(i) => numbers[i].map_or(Value::ZERO, |i| g.symbol(Symbol::Parameter(i))),
                 other => g.symbol(other),
             });
-            match g.evaluate(&value, |_| 0.7)[0].is_finite() {
+            match is_finite(g, value[0]) {
                 true => Ok((place(hold), value[0])),
                 false => Err("a value at this place is not finite".into()),
             }
@@ -459,7 +461,8 @@ impl Series<'_> {
                     _ => None,
                 })[0];
             }
-            self.finite(g, derivative)?;
+            let of = if k == 0 { String::new() } else { format!(" in a derivative of order {k}") };
+            finite(g, self.model, self.places, derivative, &of)?;
             let term = g.substitute(&[derivative], |s| match s {
                 Symbol::Coordinate(i) => at(i),
                 Symbol::Velocity(i) => at(i).map(|_| Value::ZERO),
@@ -502,23 +505,36 @@ impl Series<'_> {
         }
         Ok(())
     }
+}
 
-    /// Refuses expressions that have no value where they are expanded.
-    fn finite(&self, g: &Graph, v: Value) -> Result<(), String> {
-        let nodes: Vec<Value> = g.live(&[v]).into_iter().map(|id: Id| id.into()).collect();
-        let of = |s: Symbol| sample(s, 0, 0);
-        let values = g.evaluate(&nodes, |s| match s {
-            Symbol::Coordinate(i) => match self.places.iter().find(|p| p.0 == i) {
-                Some((_, value)) => g.evaluate(&[*value], of)[0],
-                None => of(s),
-            },
-            Symbol::Velocity(i) if self.places.iter().any(|p| p.0 == i) => 0.0,
-            other => of(other),
-        });
-        // A state of random numbers may be outside of the domain for reasons of its own, where it is NaN.
-        match values.iter().any(|x| x.is_infinite()) {
-            true => Err("a term has no value, or no derivative, where it is expanded".into()),
-            false => Ok(()),
-        }
-    }
+/// Refuses expressions that have no value at these places.
+fn finite(g: &Graph, model: &Model, places: &[(usize, Value)], v: Value, of: &str) -> Result<(), String> {
+    let random = |s: Symbol| sample(s, 0, 0);
+    let place = |i: usize| places.iter().find(|p| p.0 == i).map(|p| p.1);
+    let at = |s: Symbol| match s {
+        Symbol::Coordinate(i) => place(i).map_or(random(s), |value| g.evaluate(&[value], random)[0]),
+        Symbol::Velocity(i) if place(i).is_some() => 0.0,
+        other => random(other),
+    };
+    // A state of random numbers may be outside of the domain for reasons of its own.
+    let is_open = |s: Symbol| match s {
+        Symbol::Coordinate(i) | Symbol::Velocity(i) => place(i).is_none_or(|value| !value.is_constant()),
+        _ => true,
+    };
+    let is_ignored = |id: Id, x: f64| x.is_nan() && g.depends(&[id.into()], is_open);
+    let Some(singular) = g.singular(v, at, is_ignored) else { return Ok(()) };
+    let writer = Writer::new(g, model);
+    let labels = places.iter().filter(|p| g.depends(&[singular.into()], |s| s == Symbol::Coordinate(p.0)));
+    let labels =
+        labels.map(|(i, value)| format!("`{} = {}`", model.coordinates[*i].label(), writer.text(*value)));
+    let (term, labels) = (writer.text(singular.into()), labels.collect::<Vec<_>>());
+    let at = if labels.is_empty() { "this place".into() } else { labels.join(", ") };
+    Err(format!(
+        "the term `{term}`{of} has no value at {at}\nhelp: name another place, or leave this move out"
+    ))
+}
+
+/// Is this finite for some values of the parameters and coordinates?
+pub fn is_finite(g: &Graph, v: Value) -> bool {
+    (0..TRIALS).any(|trial| g.evaluate(&[v], |s| sample(s, trial, 0))[0].is_finite())
 }

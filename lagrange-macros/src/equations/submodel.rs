@@ -102,7 +102,8 @@ impl Source<'_> {
         let mut before = self.read(&moves[..held]).map_err(|reason| self.unformed(reason, errors)).ok()?;
         let mut removed = Vec::new();
         for i in held..moves.len() {
-            let after = self.read(&moves[..=i]).map_err(|reason| refuse(errors, &moves[i], reason)).ok()?;
+            let after =
+                self.read(&moves[..=i]).map_err(|reason| impossible(errors, &moves[i], reason)).ok()?;
             let comparison = Comparison::new(&before, &after, &moves[i].change);
             if let Some(message) = comparison.objection() {
                 errors.push(&moves[i].at, message);
@@ -156,6 +157,12 @@ impl Source<'_> {
             format!("these moves leave no system: {last}\nhelp: leave some of them out"),
         );
     }
+}
+
+/// Reports a move that cannot be made; a reason may have its own way out.
+fn impossible(errors: &mut Errors, at: &Move, reason: String) {
+    let help = if reason.contains("help:") { "" } else { "\nhelp: leave this move out" };
+    errors.push(&at.at, format!("this move cannot be made: {reason}{help}"));
 }
 
 fn refuse(errors: &mut Errors, at: &Move, reason: String) {

@@ -1,7 +1,7 @@
 //! Interpreter of the graph: numbers by which the compiler probes expressions, and looks for singular inertia. What
 //! is emitted is evaluated as a program (`Program::evaluate`).
 
-use super::{Comparison, Graph, Node, Symbol, Value, stable_map::IdMap};
+use super::{Comparison, Graph, Id, Node, Symbol, Value, stable_map::IdMap};
 
 impl Comparison {
     pub fn holds(self, a: f64, b: f64) -> bool {
@@ -55,6 +55,67 @@ impl Graph {
             values.insert(id, rounded(value));
         }
         roots.iter().map(|v| of(&values, *v)).collect()
+    }
+
+    /// The first node without a value in floating point at a state where its operands have one: at a pole, or
+    /// outside of a domain, but for those that `is_ignored` for the value that they have instead. What cancels to
+    /// rounding is 0 here, as the sine of a rounded π is.
+    pub fn singular(
+        &self,
+        root: Value,
+        symbol: impl Fn(Symbol) -> f64,
+        is_ignored: impl Fn(Id, f64) -> bool,
+    ) -> Option<Id> {
+        const ROUNDINGS: f64 = 8.0 * f64::EPSILON;
+        // Values, with the sums of the sizes of what they were made of.
+        let mut values: IdMap<[f64; 2]> = IdMap::default();
+        let of = |values: &IdMap<[f64; 2]>, v: Value| {
+            let k = v.k.to_f64();
+            let [x, size] = v.node.map_or([1.0; 2], |n| values.get(&n).copied().unwrap_or([f64::NAN; 2]));
+            [k * x, k.abs() * size]
+        };
+        for id in self.live(&[root]) {
+            let at = |v: Value| of(&values, v);
+            let mut found = match self.node(id) {
+                Node::Symbol(s) => [symbol(*s), symbol(*s).abs()],
+                Node::Sum(a, b) => [at(*a)[0] + at(*b)[0], at(*a)[1] + at(*b)[1]],
+                Node::Product(a, b) => {
+                    let [a, b] = [*a, *b].map(|id| at(id.into()));
+                    [a[0] * b[0], a[1] * b[1]]
+                }
+                Node::Inverse(a) => {
+                    let [x, size] = at((*a).into());
+                    [1.0 / x, size / (x * x)]
+                }
+                Node::Call(f, a, b) => {
+                    let ([a, size], [b, _]) = (at(*a), at(*b));
+                    let [x, beside] = [a, a + ROUNDINGS * size].map(|a| (f.row().value)(&[a, b]));
+                    let change = (beside - x).abs();
+                    // The largest tangents are those of angles that rounding cannot tell from π/2.
+                    let is_pole = change > 0.25 * x.abs() && x.abs() > 1.0 / f64::EPSILON.sqrt();
+                    [if is_pole { f64::INFINITY } else { x }, x.abs() + change / ROUNDINGS]
+                }
+                Node::Extern(f, orders, arguments) => {
+                    let x = external(*f, orders, arguments.iter().map(|a| at(*a)[0]));
+                    [x, x.abs()]
+                }
+                Node::Select(comparison, values) => {
+                    let [a, b, yes, no] = values.map(at);
+                    if comparison.holds(a[0], b[0]) { yes } else { no }
+                }
+            };
+            if !found[0].is_finite() {
+                if !is_ignored(id, found[0]) {
+                    return Some(id);
+                }
+                found = [0.7; 2];
+            }
+            if found[0].abs() <= ROUNDINGS * found[1] {
+                found = [0.0; 2];
+            }
+            values.insert(id, found);
+        }
+        None
     }
 
     /// Is the value at some state so far from zero that rounding does not explain it? Most expressions that do not

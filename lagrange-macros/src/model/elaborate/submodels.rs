@@ -7,6 +7,9 @@ use crate::syntax;
 /// Orders to which energies are expanded.
 const ORDERS: std::ops::RangeInclusive<i64> = 2..=8;
 
+/// The rule for the values of coordinates that are held.
+const HELD: &str = "a coordinate is held at a constant";
+
 /// An element of an array of coordinates some of which are held.
 #[derive(Clone, Copy)]
 pub(in crate::model) enum Place {
@@ -119,16 +122,18 @@ impl Elaborator<'_> {
 
     fn change(&mut self, change: &syntax::Change) -> Result<Change> {
         Ok(match change {
-            syntax::Change::Hold { coordinate, value } => Change::Hold(self.holds(coordinate, value)?),
-            syntax::Change::Inertia { coordinates, values } => {
-                Change::Inertia(self.holds(coordinates, values)?)
-            }
+            syntax::Change::Hold { coordinate, value } => Change::Hold(self.holds(coordinate, value, HELD)?),
+            syntax::Change::Inertia { coordinates, values } => Change::Inertia(self.holds(
+                coordinates,
+                values,
+                "the place of the inertia matrix is constant",
+            )?),
             syntax::Change::Quasistatic(coordinates) => Change::Quasistatic(self.held_targets(coordinates)?),
             syntax::Change::Neglect(name) => self.neglect(name)?,
             syntax::Change::Average(phase) => Change::Average(self.phase(phase)?),
             syntax::Change::Expand(expansion) => {
                 let syntax::Expansion { coordinates, order, about } = &**expansion;
-                let holds = self.holds(coordinates, about);
+                let holds = self.holds(coordinates, about, "the place of an expansion is constant");
                 let n = self.whole(order)?;
                 if !ORDERS.contains(&n) {
                     let message = format!(
@@ -174,7 +179,7 @@ impl Elaborator<'_> {
             Some(Entry::Let(val)) => match zeroed(&val) {
                 Some(zero) => return Ok(Change::Neglect(name.clone(), Zero(zero))),
                 None => format!(
-                    "`{text}` is {}, which is not 0 when it is neglected\nhelp: name a number, `let {text} = …;`",
+                    "`{text}` is {}, which is not 0 when it is neglected\nhelp: name a number of the energy, `let small = …;`, and write `neglect small`",
                     val.kind()
                 ),
             },
@@ -191,6 +196,16 @@ impl Elaborator<'_> {
             None if text == "dissipation" => return Ok(Change::Dissipation),
             None if text == "gyroscopic" => return Ok(Change::Gyroscopic),
             None if self.scope.unread.contains_key(&text) => return Err(Reported),
+            None if ["D", "friction", "damping"].contains(&text.as_str()) => {
+                format!(
+                    "there is no term `{text}`\nhelp: the dissipation function `D` is left out by `neglect dissipation`"
+                )
+            }
+            None if ["T", "V", "L"].contains(&text.as_str()) => {
+                format!(
+                    "`{text}` is an energy, of which terms are neglected by their names\nhelp: name a term, `let small = …;`, write `small` in `{text}`, and `neglect small`"
+                )
+            }
             None => {
                 let known = self.scope.names.keys().map(String::as_str).chain(["dissipation", "gyroscopic"]);
                 let hint = did_you_mean(&text, known);
@@ -202,8 +217,8 @@ impl Elaborator<'_> {
         Err(self.errors.push(name, message))
     }
 
-    /// The coordinates that are named, each with its value.
-    fn holds(&mut self, coordinate: &Expr, value: &Expr) -> Result<Vec<Hold>> {
+    /// The coordinates that are named, each with its value, which is constant, as `rule` says.
+    fn holds(&mut self, coordinate: &Expr, value: &Expr, rule: &str) -> Result<Vec<Hold>> {
         let indices = self.held_targets(coordinate);
         let val = self.evaluate(value);
         let (indices, val) = (indices?, val?);
@@ -232,9 +247,12 @@ impl Elaborator<'_> {
             Some(_) => Some("coordinates or time"),
         };
         if let Some(what) = moves {
+            let motion = match rule == HELD {
+                true => format!("; a given motion is `coord {} = f(t);`", plain(coordinate)),
+                false => String::new(),
+            };
             let message = format!(
-                "a coordinate is held at a constant, and this depends on {what}\nhelp: write a number, or an expression of parameters; a given motion is `coord {} = f(t);`",
-                plain(coordinate)
+                "{rule}, and this depends on {what}\nhelp: write a number, or an expression of parameters{motion}"
             );
             return Err(self.errors.push(value, message));
         }
@@ -266,11 +284,13 @@ impl Elaborator<'_> {
                 "`{text}` is a direction, whose components are not held one by one\nhelp: write a system of its own, with an angle"
             ),
             (Some(Entry::State { .. }), _) => {
-                format!("`{text}` is a state of first order, and only coordinates are held\nhelp: remove it")
+                format!(
+                    "`{text}` is a state of first order, and only coordinates are held or expanded\nhelp: remove it"
+                )
             }
             (Some(Entry::Prescribed(_)), _) => {
                 format!(
-                    "the motion of `{text}` is given already\nhelp: remove it; only free coordinates are held"
+                    "the motion of `{text}` is given already\nhelp: remove it; only free coordinates are held or expanded"
                 )
             }
             (Some(Entry::Coordinate { length: None, .. }), Some(_)) => {
