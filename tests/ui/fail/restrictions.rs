@@ -164,4 +164,23 @@ pub mod restriction_to_a_singularity {
     pub fn main() {}
 }
 
+// Moves of simplified systems.
+pub mod restrictions_with_moves {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Moves {
+            param m, k;
+            coord x, y;
+            T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2));
+            V = 0.5 * k * (x * x + y * y);
+            restriction Locked: lock x = 0;
+            restriction Small: expand x to 2 about 0;
+            restriction Without: x = 0, neglect k;
+        }
+    }
+
+    pub fn main() {}
+}
+
 fn main() {}

@@ -305,4 +305,45 @@ pub mod means_of_nothing {
     }
 }
 
+// Places where an energy has a pole or leaves its domain.
+pub mod expansions_at_poles {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Poles {
+            param m, k, b;
+            coord x, y, z;
+            T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2) + dot(z).powi(2));
+            V = k / x + k * (y - b).ln() + k * sqrt(z) + k * (x * x + y * y + z * z);
+            pub simplified Pole: expand x to 2 about 0;
+            pub simplified Logarithm: expand y to 2 about b;
+            pub simplified Root: expand z to 2 about 0;
+            pub simplified Domain: expand z to 2 about -1;
+        }
+    }
+}
+
+// Words of books for these moves, and moves that are not separated.
+pub mod other_words {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Others {
+            param m, k;
+            coord x, y;
+            T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2));
+            V = 0.5 * k * (x * x + y * y);
+            D = 0.1 * dot(x).powi(2);
+            simplified Held: hold x = 0;
+            simplified Linear: linearize x about 0;
+            simplified Dropped: drop k;
+            simplified Listed: neglect [k, m];
+            simplified Energy: neglect V;
+            simplified Friction: neglect damping;
+            simplified Both: lock x = 0 neglect k;
+            simplified Value: quasistatic x = 0;
+        }
+    }
+}
+
 fn main() {}
