@@ -102,8 +102,8 @@ impl Source<'_> {
         let mut before = self.read(&moves[..held]).map_err(|reason| self.unformed(reason, errors)).ok()?;
         let mut removed = Vec::new();
         for i in held..moves.len() {
-            let after =
-                self.read(&moves[..=i]).map_err(|reason| impossible(errors, &moves[i], reason)).ok()?;
+            let refused = |reason| refuse(errors, &moves[i], "this move cannot be made", reason);
+            let after = self.read(&moves[..=i]).map_err(refused).ok()?;
             let comparison = Comparison::new(&before, &after, &moves[i].change);
             if let Some(message) = comparison.objection() {
                 errors.push(&moves[i].at, message);
@@ -149,7 +149,7 @@ impl Source<'_> {
     fn culprit(&self, moves: &[Move], last: String, errors: &mut Errors) {
         for i in 0..moves.len() {
             if let Err(reason) = self.read(&moves[..=i]).and_then(equations) {
-                return refuse(errors, &moves[i], reason);
+                return refuse(errors, &moves[i], "this leaves no system", reason);
             }
         }
         errors.push(
@@ -159,14 +159,10 @@ impl Source<'_> {
     }
 }
 
-/// Reports a move that cannot be made; a reason may have its own way out.
-fn impossible(errors: &mut Errors, at: &Move, reason: String) {
+/// Reports a move and the reason against it, which may have its own way out.
+fn refuse(errors: &mut Errors, at: &Move, said: &str, reason: String) {
     let help = if reason.contains("help:") { "" } else { "\nhelp: leave this move out" };
-    errors.push(&at.at, format!("this move cannot be made: {reason}{help}"));
-}
-
-fn refuse(errors: &mut Errors, at: &Move, reason: String) {
-    errors.push(&at.at, format!("this leaves no system: {reason}\nhelp: leave this move out"));
+    errors.push(&at.at, format!("{said}: {reason}{help}"));
 }
 
 /// The numbers of the parameters of a derived system by those of another one; none for those that are gone.

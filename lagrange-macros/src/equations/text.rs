@@ -36,7 +36,7 @@ impl<'a> Writer<'a> {
     }
 
     fn node(&self, id: Id) -> String {
-        // What is shared would be written once for each of its users.
+        // A shared node would be written once for each of its users.
         if self.left.get() == 0 {
             return "...".into();
         }

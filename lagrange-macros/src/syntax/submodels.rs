@@ -158,10 +158,8 @@ fn separated(input: ParseStream, read: &[TokenTree], exact: bool) -> syn::Result
     let word = rest[0].to_string();
     let follows = matches!(&rest[..], [_, TokenTree::Ident(_), ..]);
     if super::assigns(&rest) || meant(&word).is_some() && follows || word == "and" {
-        let message = "expected `,` before this\nhelp: moves are separated by commas";
-        let message =
-            if exact { message.replace("moves", "coordinates that are held") } else { message.into() };
-        return Err(input.error(message));
+        let parts = if exact { "coordinates that are held" } else { "moves" };
+        return Err(input.error(format!("expected `,` before this\nhelp: {parts} are separated by commas")));
     }
     let form = match meant(&read[0].to_string()) {
         Some((_, form)) if !exact => form,
@@ -339,9 +337,9 @@ fn hold(input: ParseStream, word: &str) -> syn::Result<Change> {
 
 /// `coordinate = value` behind a word.
 fn held(input: ParseStream, word: &str) -> syn::Result<[Expr; 2]> {
-    let expected = match word {
-        "inertia at " => "expected a coordinate and its value",
-        _ => "expected a coordinate and the value that it is held at",
+    let what = match word {
+        "inertia at " => "a coordinate and its value",
+        _ => "a coordinate and the value that it is held at",
     };
     let ahead = input.fork();
     let first = ahead.parse::<Ident>();
@@ -350,10 +348,10 @@ fn held(input: ParseStream, word: &str) -> syn::Result<[Expr; 2]> {
         // `x at 0`, or a word before the coordinate.
         let preposition = ["at", "to", "is", "as"].iter().any(|word| second == word);
         let target = if preposition { first } else { &second };
-        let message = format!("{expected}\nhelp: write `{word}{target} = 0`");
+        let message = format!("expected {what}\nhelp: write `{word}{target} = 0`");
         return Err(syn::Error::new(first.span(), message));
     }
-    let whole = expression(input, expected.trim_start_matches("expected "), &format!("write `{word}x = 0`"))?;
+    let whole = expression(input, what, &format!("write `{word}x = 0`"))?;
     match bare(whole) {
         Expr::Assign(assign) => Ok([bare(*assign.left), *assign.right]),
         other => {
@@ -365,7 +363,7 @@ fn held(input: ParseStream, word: &str) -> syn::Result<[Expr; 2]> {
                 true => format!(", of several at once `{word}[{target}, …] = 0`"),
                 false => String::new(),
             };
-            let message = format!("{expected}\nhelp: write `{word}{target} = 0`{several}");
+            let message = format!("expected {what}\nhelp: write `{word}{target} = 0`{several}");
             Err(syn::Error::new_spanned(other.to_token_stream(), message))
         }
     }

@@ -246,7 +246,9 @@ mod tests {
                                 .map(|step| step.map(|step| distance(&step.to, &$exact(step.to.t))).unwrap());
                             (tolerance, errors.fold(0.0, f64::max))
                         };
-                        let tolerances = (0..=10).map(|k| Functions::powf(10.0, -6.0 - 0.5 * f64::from(k)));
+                        let each = if crate::long() { 1 } else { 2 };
+                        let exponents = (0..=20).step_by(each).map(|k| -6.0 - 0.25 * f64::from(k));
+                        let tolerances = exponents.map(|exponent| Functions::powf(10.0, exponent));
                         let slope = slope(tolerances.map(error), 0.0);
                         let names = [stringify!($method), stringify!($system)];
                         assert!((0.85..1.15).contains(&slope), "{names:?}: {slope}");

@@ -174,8 +174,9 @@ fn extremes_on_the_way_beside_events() {
         (shot._v, met.iter().filter(|m| m.event == 1).count(), end.t)
     });
     let observer = Extremes::new(|_: &Shot, at: &State<f64, 2>| [at.q[1], at.qd.norm()], met);
+    let n = if crate::long() { 500 } else { 200 };
     let study =
-        || Ensemble::new(Random::seed(5), 200, draw).integrate(Dop853, PiController::tolerance(1e-9), 60.0);
+        || Ensemble::new(Random::seed(5), n, draw).integrate(Dop853, PiController::tolerance(1e-9), 60.0);
     type Output = ((f64, usize, f64), [crate::lanes::Range; 2]);
     let check = |((v, crossings, t), [height, speed]): &Output| {
         let g = 9.81;
