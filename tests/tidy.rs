@@ -486,14 +486,13 @@ fn links_lead_somewhere() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-/// Each chapter of the guide is in its summary, and compiled if it has listings; a listing that says which example it
-/// is has its code.
+/// Each chapter of the guide is in its summary; a listing that says which example it is has its code.
 #[test]
-fn the_guide_is_compiled() {
+fn the_guide_has_its_chapters_and_examples() {
     let root = Path::new(ROOT);
     let read =
         |path: &str| fs::read_to_string(root.join(path)).unwrap_or_else(|_| panic!("{path} is not there"));
-    let (summary, library) = (read("docs/guide/src/SUMMARY.md"), read("lagrange-runtime/src/lib.rs"));
+    let summary = read("docs/guide/src/SUMMARY.md");
     let mut examples = 0;
     for (name, text) in documents() {
         let Some(chapter) = name.strip_prefix("docs/guide/src/") else { continue };
@@ -501,10 +500,6 @@ fn the_guide_is_compiled() {
             chapter == "SUMMARY.md" || summary.contains(&format!("({chapter})")),
             "{chapter} is in no summary"
         );
-        let stem = chapter.trim_end_matches(".md");
-        if text.contains("```rust\n") {
-            assert!(library.contains(&format!("\"{stem}\"")), "{chapter} is not compiled");
-        }
         for rest in text.split("<!-- examples/").skip(1) {
             let (file, rest) =
                 rest.split_once(" -->\n```rust\n").expect("a listing after the name of its example");

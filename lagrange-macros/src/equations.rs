@@ -7,6 +7,7 @@
 
 pub mod assemble;
 pub mod augmented;
+mod average;
 pub mod check;
 mod common;
 pub mod constraints;

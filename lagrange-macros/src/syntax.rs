@@ -33,8 +33,10 @@
 mod attributes;
 pub mod characters;
 pub mod choices;
+mod constraints;
 mod declarations;
 mod events;
+mod forces;
 mod functions;
 mod limits;
 pub mod notation;
@@ -47,13 +49,11 @@ use crate::diagnostics::{Errors, closest, plain};
 use attributes::Kept;
 use declarations::{declaration, declarations};
 pub use events::Direction;
-use functions::{signature, with_data};
 use proc_macro2::{Delimiter, Ident, Punct, Spacing, Span, TokenStream, TokenTree};
-use quote::ToTokens;
 pub use submodels::{Change, Expansion, Move, Submodel};
 use syn::ext::IdentExt;
 use syn::parse::{ParseStream, Parser};
-use syn::{Attribute, BinOp, Expr, Token, Type, Visibility, bracketed, parenthesized};
+use syn::{Attribute, Expr, Token, Type, Visibility, bracketed};
 
 /// `pub system Name { statements }`
 pub struct Definition {
@@ -612,144 +612,19 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
             }
             Statement::Let(declaration(input, attributes, text, errors)?)
         }
-        "fn" => {
-            let (name, arguments) = signature(input, errors)?;
-            if !input.peek(Token![=]) {
-                return Err(input.error(format!("expected `=`\nhelp: write `fn {name}(x) = expression;`")));
-            }
-            input.parse::<Token![=]>()?;
-            Statement::Function { name, arguments, body: input.parse()? }
-        }
-        "extern" => {
-            if input.parse::<Token![fn]>().is_ok() {
-                if let Some(attribute) = attributes.iter().find(|a| !a.path().is_ident("doc")) {
-                    errors.push(attribute, attributes::WITHOUT_EFFECT);
-                }
-                let (name, arguments) = signature(input, errors)?;
-                Statement::Extern { name, arguments, data: None }
-            } else {
-                with_data(input, attributes, errors)?
-            }
-        }
-        "Q" => {
-            if !input.peek(syn::token::Bracket) {
-                let coordinate = match input.parse() {
-                    Ok(TokenTree::Group(group)) => plain(group.stream()),
-                    _ => "x".into(),
-                };
-                let message = format!(
-                    "expected the coordinate of the generalized force in brackets\nhelp: write `Q[{coordinate}] = …;` for the force along a coordinate `{coordinate}`"
-                );
-                return Err(syn::Error::new(keyword.span(), message));
-            }
-            let coordinate;
-            bracketed!(coordinate in input);
-            let coordinate = coordinate.parse()?;
-            equals(input, "Q[…]")?;
-            Statement::Applied { keyword, coordinate, value: input.parse()? }
-        }
-        "rate" => {
-            if !input.peek(syn::token::Paren) {
-                let message = "expected the state in parentheses\nhelp: write `rate(i) = …;` for the rate of a state `i`";
-                return Err(syn::Error::new(keyword.span(), message));
-            }
-            let state;
-            parenthesized!(state in input);
-            let coordinate = state.parse()?;
-            equals(input, "rate(…)")?;
-            // As it was meant, such as `rate` for `rates`.
-            let keyword = Ident::new(text, keyword.span());
-            Statement::Applied { keyword, coordinate, value: input.parse()? }
-        }
-        "force" => {
-            let form = "write `force [fx, fy] at [x, y];`, or for a force along one coordinate `Q[x] = …;`";
-            if input.peek(Token![=]) {
-                return Err(input.error(format!("a force needs its point of application\nhelp: {form}")));
-            }
-            let force = input.parse()?;
-            joined(
-                input,
-                "at",
-                &keyword,
-                ["the point of application", "a force", "its point of application"],
-                form,
-            )?;
-            Statement::Force { force, at: input.parse()? }
-        }
-        "couple" => {
-            let couple = input.parse()?;
-            let form = "write `couple [mx, my, mz] on link;`";
-            joined(
-                input,
-                "on",
-                &keyword,
-                ["the frame that it turns", "a couple", "the frame that it turns"],
-                form,
-            )?;
-            Statement::Couple { couple, on: input.parse()? }
-        }
-        "constraint" | "redundant" => {
-            let redundant = text == "redundant";
-            if redundant && !input.parse::<Ident>().is_ok_and(|word| word == "constraint") {
-                return Err(syn::Error::new(keyword.span(), "expected `constraint` after `redundant`"));
-            }
-            let name = words::name(input, "expected the name of the constraint", errors)?;
-            let mut declared = Box::new(Declaration::named(name));
-            let sides = if input.parse::<Token![:]>().is_ok() {
-                if family_follows(input)? {
-                    let length;
-                    syn::bracketed!(length in input);
-                    declared.length = Some(length.parse()?);
-                    input.parse::<Token![=]>()?;
-                    equations(input.parse()?)
-                } else {
-                    equation(input.parse()?)
-                }
-            } else {
-                let message = "expected the name of a constraint and `:`\nhelp: write `constraint rod: x * x + y * y == l * l;`";
-                Err(syn::Error::new(declared.name.span(), message))
-            };
-            let sides = sides.map_err(|error| errors.record(error)).ok();
-            if sides.is_none() {
-                skip(input)?;
-            }
-            Statement::Constraint { declared, sides, redundant }
-        }
-        "impulse" => {
-            let name = words::name(input, "expected the name of the impulse", errors)?;
-            let at = if input.parse::<Ident>().is_ok_and(|at| at == "at") {
-                Some(input.parse()?)
-            } else {
-                let message =
-                    "an impulse needs its point of application\nhelp: write `impulse blow at [x, y];`";
-                errors.push(&name, message);
-                skip(input)?;
-                None
-            };
-            Statement::Impulse { attributes, name, at }
-        }
+        "fn" => functions::function(input, errors)?,
+        "extern" => functions::external(input, attributes, errors)?,
+        "Q" => forces::generalized(input, keyword)?,
+        "rate" => forces::rate(input, &keyword)?,
+        "force" => forces::force(input, &keyword)?,
+        "couple" => forces::couple(input, &keyword)?,
+        "constraint" | "redundant" => constraints::constraint(input, &keyword, text == "redundant", errors)?,
+        "impulse" => constraints::impulse(input, attributes, errors)?,
         energy => {
             equals(input, energy)?;
             Statement::Energy { keyword: Ident::new(energy, keyword.span()), value: input.parse()? }
         }
     })
-}
-
-/// The word between the two expressions of a statement.
-fn joined(
-    input: ParseStream,
-    word: &str,
-    keyword: &Ident,
-    [expected, what, needs]: [&str; 3],
-    form: &str,
-) -> syn::Result<()> {
-    match input.parse::<Ident>() {
-        Ok(found) if found == word => Ok(()),
-        Ok(other) => {
-            Err(syn::Error::new(other.span(), format!("expected `{word}` and {expected}\nhelp: {form}")))
-        }
-        Err(_) => Err(syn::Error::new(keyword.span(), format!("{what} needs {needs}\nhelp: {form}"))),
-    }
 }
 
 /// The message for a statement that does not begin with a word.
@@ -794,46 +669,6 @@ fn family_follows(input: ParseStream) -> syn::Result<bool> {
     }
     ahead.parse::<TokenTree>()?;
     Ok(ahead.peek(Token![=]) && !ahead.peek(Token![==]))
-}
-
-/// Both sides of the `==` of a family of constraints, as closures of the index.
-fn equations(family: Expr) -> syn::Result<(Expr, Expr)> {
-    let Expr::Closure(closure) = family else {
-        let message = "the constraints of a family are given by their index\nhelp: write `constraint rods: [N] = |i| … == …;`";
-        return Err(syn::Error::new_spanned(family, message));
-    };
-    let (left, right) = equation((*closure.body).clone())?;
-    let side = |body| Expr::Closure(syn::ExprClosure { body: Box::new(body), ..closure.clone() });
-    Ok((side(left), side(right)))
-}
-
-/// Both sides of the `==` of a constraint.
-fn equation(whole: Expr) -> syn::Result<(Expr, Expr)> {
-    let (at, message) = match &whole {
-        Expr::Binary(syn::ExprBinary { op: BinOp::Eq(_), .. }) => {
-            let Expr::Binary(binary) = whole else { unreachable!("matched above") };
-            return Ok((*binary.left, *binary.right));
-        }
-        Expr::Binary(syn::ExprBinary { op, .. })
-            if matches!(op, BinOp::Lt(_) | BinOp::Le(_) | BinOp::Gt(_) | BinOp::Ge(_) | BinOp::Ne(_)) =>
-        {
-            let message = "a constraint is an equation\nhelp: a stop or a contact is an event of the integration, where an impulse acts";
-            (op.to_token_stream(), message)
-        }
-        Expr::Assign(assign) => (
-            assign.eq_token.to_token_stream(),
-            "nothing is assigned in a constraint\nhelp: an equation is `f == g`",
-        ),
-        Expr::Binary(syn::ExprBinary { op: op @ BinOp::And(_), .. }) => (
-            op.to_token_stream(),
-            "a constraint is one equation\nhelp: write two constraints, or an equation of arrays, `[x, y] == [y, z]`",
-        ),
-        other => (
-            other.to_token_stream(),
-            "a constraint is an equation\nhelp: if this is to vanish, write `… == 0`",
-        ),
-    };
-    Err(syn::Error::new_spanned(at, message))
 }
 
 /// Destination of the attributes of a statement that begins with this word.

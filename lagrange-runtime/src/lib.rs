@@ -326,38 +326,10 @@ pub mod prelude {
     };
 }
 
-/// The README's examples compile and run. One of them is an analysis.
-#[cfg(all(doctest, feature = "analysis"))]
-#[doc = include_str!("../../README.md")]
-struct Readme;
-
-/// The listings of the guide compile and run.
-#[cfg(all(doctest, feature = "analysis", feature = "chart", feature = "ensemble", feature = "serde"))]
-mod guide {
-    macro_rules! chapters {
-        ($($name:ident $file:literal)*) => {$(
-            #[doc = include_str!(concat!("../../docs/guide/src/", $file, ".md"))]
-            struct $name;
-        )*};
-    }
-    chapters! {
-        FirstSystem "first-system"
-        Coordinates "coordinates"
-        Forces "forces"
-        Bodies "bodies"
-        Contact "contact"
-        Methods "methods"
-        Events "events"
-        Control "control"
-        Analysis "analysis"
-        Smaller "smaller"
-        MonteCarlo "monte-carlo"
-        Derivatives "derivatives"
-        Failures "failures"
-        Theory "theory"
-        ComingFrom "coming-from"
-    }
-}
+/// The guide has one listing that must not compile; the others are tests of their own, in `tests/guide`.
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/guide/src/methods.md")]
+struct Methods;
 
 /// The environment variable `LAGRANGE_LONG` is set, as `.ci/run` does for optimised builds: tests take more samples.
 #[cfg(test)]

@@ -12,6 +12,7 @@ use crate::graph::normal::EXPANSIONS;
 use crate::graph::{Graph, Number, Symbol, Value};
 use crate::model::submodel::{Made, Origin};
 use crate::model::{Attitude, Coordinate, Model, NamedEvent, Reduction, indexed};
+use crate::program::count::Operations;
 use crate::syntax::{Direction, Kind};
 use proc_macro2::{Delimiter, Spacing, TokenStream, TokenTree};
 use std::borrow::Cow;
@@ -374,24 +375,7 @@ fn facts(d: &Derived, writer: &Writer) -> Vec<String> {
             ));
         }
     }
-    let roots = e.series.as_ref().is_some_and(|series| series.has_roots);
-    let properties = [
-        (f.constant_inertia, "the inertia matrix is constant"),
-        (f.separable, "separable, T(q̇) + V(q)"),
-        (f.linear, "linear equations of motion with constant coefficients"),
-        (e.analytic() && !roots, "analytic: the motion has Taylor series"),
-        (
-            e.analytic() && roots,
-            "analytic, but where the argument of a root vanishes: the motion has Taylor series elsewhere",
-        ),
-        (!f.autonomous, "time appears in the equations of motion"),
-        (!f.quadratic, "L is not quadratic in the velocities"),
-    ];
-    for (_, text) in properties.iter().filter(|p| p.0) {
-        let mut text = text.to_string();
-        text[..1].make_ascii_uppercase();
-        lines.push(format!("- {text}."));
-    }
+    lines.extend(properties(e));
     if f.blocks.len() > 1 && n <= 12 {
         let blocks: Vec<String> = f.blocks.iter().map(|block| format!("{{{}}}", listed(block))).collect();
         lines.push(format!("- Independent blocks: {}.", blocks.join(", ")));
@@ -404,7 +388,37 @@ fn facts(d: &Derived, writer: &Writer) -> Vec<String> {
         ));
     }
     lines.extend(scales(d));
-    let o = &e.solved.operations;
+    let counts = counts(&e.solved.operations);
+    lines.push(format!("- Operations of `accel`: {counts}."));
+    lines
+}
+
+/// Properties of the equations that are proved, as items of a list.
+fn properties(e: &Equations) -> impl Iterator<Item = String> {
+    let f = &e.facts;
+    let roots = e.series.as_ref().is_some_and(|series| series.has_roots);
+    [
+        (f.constant_inertia, "the inertia matrix is constant"),
+        (f.separable, "separable, T(q̇) + V(q)"),
+        (f.linear, "linear equations of motion with constant coefficients"),
+        (e.analytic() && !roots, "analytic: the motion has Taylor series"),
+        (
+            e.analytic() && roots,
+            "analytic, but where the argument of a root vanishes: the motion has Taylor series elsewhere",
+        ),
+        (!f.autonomous, "time appears in the equations of motion"),
+        (!f.quadratic, "L is not quadratic in the velocities"),
+    ]
+    .into_iter()
+    .filter(|p| p.0)
+    .map(|(_, text)| {
+        let mut text = text.to_string();
+        text[..1].make_ascii_uppercase();
+        format!("- {text}.")
+    })
+}
+
+fn counts(o: &Operations) -> String {
     let counts = [
         (o.additions, "addition"),
         (o.multiplications, "multiplication"),
@@ -417,9 +431,7 @@ fn facts(d: &Derived, writer: &Writer) -> Vec<String> {
         .filter(|c| c.0 > 0)
         .map(|(n, what)| format!("{n} {what}{}", if *n == 1 { "" } else { "s" }))
         .collect();
-    let counts = if counts.is_empty() { "none".into() } else { counts.join(", ") };
-    lines.push(format!("- Operations of `accel`: {counts}."));
-    lines
+    if counts.is_empty() { "none".into() } else { counts.join(", ") }
 }
 
 /// Groups of parameters, units that they give, and scalings of motions.

@@ -4,9 +4,9 @@
 //! so, and momenta are those of the changed L.
 
 use super::assemble::{Form, exert, flatten, flattened};
+use super::average::average;
 use super::check::{TRIALS, sample};
 use super::common::{MAX_EXPANDED_COORDINATES, independent, shortest};
-use super::routhian::cheapest;
 use super::text::Writer;
 use crate::graph::{Function, Graph, Id, Node, Number, Symbol, Value};
 use crate::model::frames::Frames;
@@ -246,141 +246,6 @@ fn subtract(g: &mut Graph, model: &mut Model, terms: Value) {
         }
         None => model.lagrangian = less(model.lagrangian),
     }
-}
-
-/// The mean over a fast phase α = ω t, to leading order in 1/ω with velocities of the given motion that stay as they
-/// are (Kapitza 1951; Landau and Lifshitz, *Mechanics*, §30). With L = ½ q̇·M q̇ + b·q̇ + L₀ the Hamiltonian ½ (p −
-/// b)·M⁻¹ (p − b) − L₀ is averaged, which gives
-///
-///   ⟨L⟩ = ½ q̇·M q̇ + ⟨b⟩·q̇ + ⟨L₀⟩ − ½ ⟨b̃·M⁻¹ b̃⟩,   b̃ = b − ⟨b⟩.
-///
-/// First dG/dt with ∂G/∂t = −(L₀ − ⟨L₀⟩) is added, so that forces −m s̈ count as what they are, whichever way they
-/// are written. The velocities −M⁻¹ b̃ are those that the mean has lost.
-fn average(g: &mut Graph, model: &mut Model, phase: Value) -> Result<(), String> {
-    let (n, mechanical) = (model.coordinates.len(), model.mechanical());
-    let all = [&[model.lagrangian, model.dissipation][..], &model.applied].concat();
-    if !g.depends(&all, |s| s == Symbol::Time) {
-        return Err("nothing depends on time, so that nothing is averaged".into());
-    }
-    let angle = Symbol::Given(0);
-    let alpha = g.symbol(angle);
-    let rate = g.forward(&[phase], |s| (s == Symbol::Time).then_some(Value::ONE))[0];
-    let time = g.quotient(alpha, rate);
-    let mut in_phase = |values: &[Value]| g.substitute(values, |s| (s == Symbol::Time).then_some(time));
-    let lagrangian = in_phase(&[model.lagrangian])[0];
-    let dissipation = in_phase(&[model.dissipation])[0];
-    let applied = in_phase(&model.applied);
-    let series = |g: &mut Graph, v: Value| {
-        g.fourier(v, angle).ok_or(
-            "time appears otherwise than in sines and cosines of this phase, or in a quotient or a root",
-        )
-    };
-    let at_any_phase =
-        |g: &mut Graph, v: Value| g.substitute(&[v], |s| (s == angle).then_some(Value::ZERO))[0];
-    let velocities: Vec<Symbol> = (0..mechanical).map(Symbol::Velocity).collect();
-    let is_velocity = |s: Symbol| velocities.contains(&s);
-    let at_rest = |s: Symbol| velocities.contains(&s).then_some(Value::ZERO);
-    let momenta = g.gradient(lagrangian, &velocities);
-    let mut inertia = Vec::new();
-    for (i, p) in momenta.iter().enumerate() {
-        let row = g.gradient(*p, &velocities[..=i]);
-        if !independent(g, &row, is_velocity) {
-            return Err("L is not quadratic in the velocities".into());
-        }
-        if !independent(g, &row, |s| s == angle) {
-            return Err("the inertia matrix depends on the phase".into());
-        }
-        inertia.push(g.substitute(&row, |s| (s == angle).then_some(Value::ZERO)));
-    }
-    let coordinates: Vec<Symbol> = (0..mechanical).map(Symbol::Coordinate).collect();
-    let rest = g.substitute(&[lagrangian], at_rest)[0];
-    let rest = moving(g, rest);
-    let rest = series(g, rest)?;
-    let drift = g.substitute(&momenta, at_rest);
-    let mut drifts = drift.into_iter().map(|b| series(g, b)).collect::<Result<Vec<_>, _>>()?;
-    for (k, [c, s]) in rest.iter().enumerate().skip(1) {
-        let by = g.recip(rate).scaled(Number::Ratio(1, k as i64));
-        let slopes = [g.gradient(*s, &coordinates), g.gradient(-*c, &coordinates)];
-        for (i, drift) in drifts.iter_mut().enumerate() {
-            drift.resize(drift.len().max(k + 1), [Value::ZERO; 2]);
-            for (part, slopes) in drift[k].iter_mut().zip(&slopes) {
-                let more = g.mul(slopes[i], by);
-                *part = g.add(*part, more);
-            }
-        }
-    }
-    let (mut effective, mut fast) = (Value::ZERO, vec![Value::ZERO; n]);
-    for k in 1..drifts.iter().map(Vec::len).max().unwrap_or(0) {
-        let angle = phase.scaled((k as i64).into());
-        for (of, function) in [(0, Function::cos), (1, Function::sin)] {
-            let b: Vec<Value> =
-                drifts.iter().map(|d| d.get(k).map_or(Value::ZERO, |pair| pair[of])).collect();
-            if b.iter().all(|b| b.is_zero()) {
-                continue;
-            }
-            let Some((square, solution)) = cheapest(g, &inertia, &b) else {
-                return Err("the inertia matrix is singular".into());
-            };
-            effective = g.add(effective, square.scaled(Number::Ratio(1, 2)));
-            let oscillates = g.call(function, angle);
-            for (fast, x) in fast.iter_mut().zip(solution) {
-                let term = g.mul(x, oscillates);
-                *fast = g.sub(*fast, term);
-            }
-        }
-    }
-    let mut kinetic = Value::ZERO;
-    for (i, row) in inertia.iter().enumerate() {
-        for (j, m) in row.iter().enumerate() {
-            let product = [i, j].map(|i| g.symbol(velocities[i]));
-            let product = g.mul(product[0], product[1]);
-            let half = if i == j { Number::Ratio(1, 2) } else { Number::ONE };
-            let term = g.mul(*m, product).scaled(half);
-            kinetic = g.add(kinetic, term);
-        }
-    }
-    let potential = g.sub(effective, rest[0][0]);
-    let [kinetic, potential] = [kinetic, potential].map(|v| shortest(g, n, &[v])[0]);
-    let mut lagrangian = g.sub(kinetic, potential);
-    let mut straight = true;
-    for (i, drift) in drifts.iter().enumerate() {
-        let qd = g.symbol(velocities[i]);
-        let term = g.mul(drift[0][0], qd);
-        lagrangian = g.add(lagrangian, term);
-        straight &= g.vanishes(drift[0][0]);
-    }
-    if !independent(g, &[dissipation], |s| s == angle) {
-        return Err("the dissipation function depends on the phase".into());
-    }
-    let mut forces = Vec::new();
-    for force in applied {
-        // A large one would have effects beyond its mean.
-        if !independent(g, &[force], |s| s == angle) {
-            return Err("an applied force depends on the phase; if it has a potential, write it in `V`, where more than its mean is known".into());
-        }
-        if g.degree(force, is_velocity).is_none_or(|degree| degree > 1) {
-            return Err("the mean of a force that is not linear in the velocities is not known".into());
-        }
-        forces.push(at_any_phase(g, force));
-    }
-    model.energies = model.energies.filter(|_| straight).map(|_| [kinetic, potential]);
-    (model.lagrangian, model.applied) = (lagrangian, forces);
-    model.dissipation = at_any_phase(g, dissipation);
-    model.origin.as_mut().expect("a derived system").fast = fast;
-    Ok(())
-}
-
-/// A Lagrangian without those of its terms that depend on time and parameters alone: they act on nothing.
-fn moving(g: &mut Graph, v: Value) -> Value {
-    let Some(terms) = g.monomials(v) else { return v };
-    let mut sum = Value::ZERO;
-    for (factors, k) in terms.into_iter().filter(|(factors, _)| !factors.is_empty()) {
-        let term = g.assemble(&factors);
-        if g.depends(&[term], |s| matches!(s, Symbol::Coordinate(_) | Symbol::Velocity(_))) {
-            sum = g.add(sum, term.scaled(k));
-        }
-    }
-    sum
 }
 
 /// T, V and D to an order in the deviations of these coordinates and in their velocities, and forces to the order of

@@ -46,10 +46,27 @@ pub fn statics(
     // −∂L/∂x − Q, which vanishes.
     let slopes = g.gradient(at_rest, &symbols);
     let sums: Vec<Value> = slopes.iter().zip(forces).map(|(slope, force)| -g.add(*slope, force)).collect();
+    let solution = solved(g, &sums, &symbols, label)?;
+    for (k, value) in solution.iter().enumerate() {
+        may_follow(g, model, *value, &label(k))?;
+    }
+    let solution = super::common::shortest(g, model.coordinates.len(), &solution);
+    let (all, solution) = in_whole(g, model, whole, &solution);
+    let holds = following.iter().zip(solution).map(|(&index, value)| Hold { index, value });
+    Ok((all, holds.collect()))
+}
+
+/// The coordinates x at which these sums vanish, which are linear in them.
+fn solved(
+    g: &mut Graph,
+    sums: &[Value],
+    x: &[Symbol],
+    label: impl Fn(usize) -> String,
+) -> Result<Vec<Value>, String> {
     let mut matrix: Vec<Vec<Value>> = Vec::new();
     for (k, sum) in sums.iter().enumerate() {
-        let mut row = g.gradient(*sum, &symbols);
-        if !row.iter().all(|v| super::common::independent(g, &[*v], |s| symbols.contains(&s))) {
+        let row = g.gradient(*sum, x);
+        if !row.iter().all(|v| super::common::independent(g, &[*v], |s| x.contains(&s))) {
             return Err(format!("the equation ∂V/∂q = Q of `{}` is not linear in what follows", label(k)));
         }
         for l in 0..k {
@@ -58,9 +75,9 @@ pub fn statics(
                 return Err(format!("the forces on `{}` and `{}` have no potential", label(l), label(k)));
             }
         }
-        matrix.push(std::mem::take(&mut row));
+        matrix.push(row);
     }
-    let right = g.substitute(&sums, |s| symbols.contains(&s).then_some(Value::ZERO));
+    let right = g.substitute(sums, |s| x.contains(&s).then_some(Value::ZERO));
     let mut lower: Vec<Vec<Value>> = (0..x.len()).map(|k| matrix[k][..=k].to_vec()).collect();
     let mut y: Vec<Value> = right.iter().map(|v| -*v).collect();
     if swept(g, &mut lower, &mut y).is_none() {
@@ -75,28 +92,32 @@ pub fn statics(
         }
         solution[k] = g.quotient(rest, lower[k][k]);
     }
-    let inputs = g.inputs.clone();
-    for (k, value) in solution.iter().enumerate() {
-        let what = g.symbols(&[*value]).into_iter().find_map(|s| match s {
-            Symbol::Velocity(_) => Some("a state of first order"),
-            Symbol::Parameter(i) if inputs.contains(&i) => Some("an input, which may change between steps"),
-            _ => None,
-        });
-        if let Some(what) = what {
-            return Err(format!("`{}` would follow {what}, and jump with it", label(k)));
-        }
+    Ok(solution)
+}
+
+/// Refuses what a coordinate of this name cannot follow: states and inputs, which jump, and rotations.
+fn may_follow(g: &Graph, model: &Model, value: Value, label: &str) -> Result<(), String> {
+    let what = g.symbols(&[value]).into_iter().find_map(|s| match s {
+        Symbol::Velocity(_) => Some("a state of first order"),
+        Symbol::Parameter(i) if g.inputs.contains(&i) => Some("an input, which may change between steps"),
+        _ => None,
+    });
+    if let Some(what) = what {
+        return Err(format!("`{label}` would follow {what}, and jump with it"));
     }
     let of_attitude = |i: usize| model.attitudes.iter().any(|a| (a.first..a.first + 3).contains(&i));
-    let turns = |s: Symbol| matches!(s, Symbol::Coordinate(i) if of_attitude(i));
-    if let Some(k) = (0..x.len()).find(|k| g.depends(&[solution[*k]], turns)) {
+    match g.depends(&[value], |s| matches!(s, Symbol::Coordinate(i) if of_attitude(i))) {
         // (Equations of bodies are those of angular velocities, which parameters of their own have no part in.)
-        return Err(format!(
-            "`{0}` would follow a rotation, which equations of bodies know by its angular velocity alone: write another system, with `let {0} = …;` in the place of the coordinate",
-            label(k)
-        ));
+        true => Err(format!(
+            "`{label}` would follow a rotation, which equations of bodies know by its angular velocity alone: write another system, with `let {label} = …;` in the place of the coordinate"
+        )),
+        false => Ok(()),
     }
-    let solution = super::common::shortest(g, model.coordinates.len(), &solution);
-    // In the symbols of the whole system.
+}
+
+/// Values of a derived system in the symbols of the whole one, beside its graph.
+fn in_whole(g: &Graph, model: &Model, whole: &Derived, values: &[Value]) -> (Graph, Vec<Value>) {
+    let kept = &model.origin.as_ref().expect("a derived system").kept;
     let mut all = whole.graph.clone();
     let numbers: Vec<usize> = model
         .parameters
@@ -107,13 +128,12 @@ pub fn statics(
             p.numbers().map(move |i| first + i - p.first)
         })
         .collect();
-    let solution = all.import(g, &solution, |g, symbol| match symbol {
-        Symbol::Coordinate(i) => g.symbol(Symbol::Coordinate(origin.kept[i])),
+    let values = all.import(g, values, |g, symbol| match symbol {
+        Symbol::Coordinate(i) => g.symbol(Symbol::Coordinate(kept[i])),
         Symbol::Parameter(i) => g.symbol(Symbol::Parameter(numbers[i])),
         other => g.symbol(other),
     });
-    let holds = following.iter().zip(solution).map(|(&index, value)| Hold { index, value });
-    Ok((all, holds.collect()))
+    (all, values)
 }
 
 /// Does a force switch with velocities, as dry friction does? Then what it is at rest is not what it does.

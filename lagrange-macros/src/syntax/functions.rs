@@ -1,15 +1,38 @@
 //! Functions: `fn gust(s) = …`, `extern fn mu(t)`, `extern wind: Curve(t)`.
 
 use super::declarations::type_tokens;
-use super::{Data, Statement, words};
+use super::{Data, Statement, attributes, words};
 use crate::diagnostics::{Errors, plain};
 use proc_macro2::{Delimiter, Ident, TokenTree};
 use syn::ext::IdentExt;
 use syn::parse::{ParseStream, Parser};
 use syn::{Attribute, Token, Type, parenthesized};
 
+/// Reads what follows `fn`.
+pub fn function(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> {
+    let (name, arguments) = signature(input, errors)?;
+    if !input.peek(Token![=]) {
+        return Err(input.error(format!("expected `=`\nhelp: write `fn {name}(x) = expression;`")));
+    }
+    input.parse::<Token![=]>()?;
+    Ok(Statement::Function { name, arguments, body: input.parse()? })
+}
+
+/// Reads what follows `extern`: a function of the user's, or one with data.
+pub fn external(input: ParseStream, given: Vec<Attribute>, errors: &mut Errors) -> syn::Result<Statement> {
+    if input.parse::<Token![fn]>().is_ok() {
+        if let Some(attribute) = given.iter().find(|a| !a.path().is_ident("doc")) {
+            errors.push(attribute, attributes::WITHOUT_EFFECT);
+        }
+        let (name, arguments) = signature(input, errors)?;
+        Ok(Statement::Extern { name, arguments, data: None })
+    } else {
+        with_data(input, given, errors)
+    }
+}
+
 /// `name(a, b)`; types are refused, and skipped.
-pub fn signature(input: ParseStream, errors: &mut Errors) -> syn::Result<(Ident, Vec<Ident>)> {
+fn signature(input: ParseStream, errors: &mut Errors) -> syn::Result<(Ident, Vec<Ident>)> {
     let name = words::name(input, "expected the name of the function", errors)?;
     let inside;
     parenthesized!(inside in input);
@@ -32,11 +55,7 @@ fn arguments(inside: ParseStream, errors: &mut Errors) -> syn::Result<Vec<Ident>
 }
 
 /// The rest of `extern name: Type(x, …)`.
-pub fn with_data(
-    input: ParseStream,
-    attributes: Vec<Attribute>,
-    errors: &mut Errors,
-) -> syn::Result<Statement> {
+fn with_data(input: ParseStream, attributes: Vec<Attribute>, errors: &mut Errors) -> syn::Result<Statement> {
     let form = "write `extern fn name(t);` for a Rust function, or `extern name: Curve(t);` for a function with data, a field of this type";
     if !input.peek(syn::Ident::peek_any) || input.peek2(syn::token::Paren) {
         return Err(input.error(format!("expected `fn`\nhelp: {form}")));

@@ -8,22 +8,7 @@ use proc_macro2::TokenTree;
 impl Elaborator<'_> {
     pub(super) fn function_call(&mut self, call: &syn::ExprCall) -> Result {
         let Expr::Path(path) = &*call.func else {
-            return match self.evaluate(&call.func)? {
-                Val::Closure(closure) => {
-                    let arguments = call.args.iter().map(|a| self.evaluate(a)).collect::<Result<Vec<_>>>()?;
-                    self.apply(&closure, arguments, call)
-                }
-                other => {
-                    let product = match other {
-                        Val::Int(_) | Val::Number(_) => {
-                            let (left, right) = (plain(&call.func), plain(&call.args));
-                            format!("\nhelp: for a product write `{left} * ({right})`")
-                        }
-                        _ => String::new(),
-                    };
-                    Err(self.errors.push(&call.func, format!("{} is not a function{product}", other.kind())))
-                }
-            };
+            return self.call_of_value(call);
         };
         let Some(name) = path.path.get_ident().cloned() else { return self.associated(path, call) };
         let text = name.to_string();
@@ -58,37 +43,7 @@ impl Elaborator<'_> {
             }
             Some(Entry::Broken) => Err(Reported),
             Some(entry) => {
-                let of_time = matches!(call.args.first(), Some(Expr::Path(t)) if t.path.is_ident("t"));
-                let is_index = call.args.len() == 1 && call.args.first().is_some_and(is_literal);
-                let of_time_is = format!(
-                    "a function of time is a formula of `t`, `fn {text}(t) = …;`, or has data, `extern {text}: Curve(t);`"
-                );
-                let help = match entry {
-                    _ if is_rigid(&text)
-                        || METHODS.contains(&text.as_str())
-                        || TABLE.iter().any(|row| row.name == text) =>
-                    {
-                        format!("your `{text}` hides the function of that name: give it another name")
-                    }
-                    Entry::Parameter(i) if of_time && self.found.parameters[i].input => {
-                        format!(
-                            "an input is a value that is held between steps: write `{text}`; {of_time_is}"
-                        )
-                    }
-                    Entry::Parameter(_) if of_time => {
-                        format!("a parameter is constant: write `{text}`; {of_time_is}")
-                    }
-                    Entry::Parameter(_) | Entry::Coordinate { .. } | Entry::State { .. } | Entry::Let(_)
-                        if is_index =>
-                    {
-                        format!(
-                            "an element of an array is `{text}[{}]`; for a product write `{text} * ({0})`",
-                            plain(&call.args)
-                        )
-                    }
-                    _ if of_time => format!("it is a function of time already: write `{text}`"),
-                    _ => format!("for a product write `{text} * ({})`", plain(&call.args)),
-                };
+                let help = self.help_for_value(&text, &entry, call);
                 Err(self.errors.push(&name, format!("`{text}` is not a function\nhelp: {help}")))
             }
             None if is_rigid(&text) => {
@@ -108,6 +63,56 @@ impl Elaborator<'_> {
                     None => Err(Reported),
                 }
             }
+        }
+    }
+
+    /// A call of what has no name: a closure.
+    fn call_of_value(&mut self, call: &syn::ExprCall) -> Result {
+        match self.evaluate(&call.func)? {
+            Val::Closure(closure) => {
+                let arguments = call.args.iter().map(|a| self.evaluate(a)).collect::<Result<Vec<_>>>()?;
+                self.apply(&closure, arguments, call)
+            }
+            other => {
+                let product = match other {
+                    Val::Int(_) | Val::Number(_) => {
+                        let (left, right) = (plain(&call.func), plain(&call.args));
+                        format!("\nhelp: for a product write `{left} * ({right})`")
+                    }
+                    _ => String::new(),
+                };
+                Err(self.errors.push(&call.func, format!("{} is not a function{product}", other.kind())))
+            }
+        }
+    }
+
+    /// Help for a call of a name that is no function.
+    fn help_for_value(&self, text: &str, entry: &Entry, call: &syn::ExprCall) -> String {
+        let of_time = matches!(call.args.first(), Some(Expr::Path(t)) if t.path.is_ident("t"));
+        let is_index = call.args.len() == 1 && call.args.first().is_some_and(is_literal);
+        let of_time_is = format!(
+            "a function of time is a formula of `t`, `fn {text}(t) = …;`, or has data, `extern {text}: Curve(t);`"
+        );
+        match *entry {
+            _ if is_rigid(text) || METHODS.contains(&text) || TABLE.iter().any(|row| row.name == text) => {
+                format!("your `{text}` hides the function of that name: give it another name")
+            }
+            Entry::Parameter(i) if of_time && self.found.parameters[i].input => {
+                format!("an input is a value that is held between steps: write `{text}`; {of_time_is}")
+            }
+            Entry::Parameter(_) if of_time => {
+                format!("a parameter is constant: write `{text}`; {of_time_is}")
+            }
+            Entry::Parameter(_) | Entry::Coordinate { .. } | Entry::State { .. } | Entry::Let(_)
+                if is_index =>
+            {
+                format!(
+                    "an element of an array is `{text}[{}]`; for a product write `{text} * ({0})`",
+                    plain(&call.args)
+                )
+            }
+            _ if of_time => format!("it is a function of time already: write `{text}`"),
+            _ => format!("for a product write `{text} * ({})`", plain(&call.args)),
         }
     }
 
