@@ -494,7 +494,7 @@ impl<'a> Stubs<'a> {
                     _: &#runtime::State<S, #n>,
                     _: usize,
                     _: &Self::Sides,
-                    _: &mut #runtime::TaylorSeries<S, #n, K>,
+                    _: &mut #runtime::TaylorSeries<S, #n, { K }>,
                 ) -> [Self::Sides; K] {
                     ::core::unreachable!()
                 }

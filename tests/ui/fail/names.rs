@@ -255,4 +255,23 @@ pub mod reaction_misspelt {
     }
 }
 
+// A system with an error beside types whose names generic parameters have.
+pub mod types_with_short_names {
+    use lagrange_runtime::prelude::*;
+
+    pub struct K;
+    pub struct N;
+    pub struct R;
+    pub struct S;
+
+    lagrangian! {
+        pub system I {
+            param m, k;
+            coord x;
+            T = 0.5 * m * dot(x).powi(2);
+            V = 0.5 * K * x.powi(2);
+        }
+    }
+}
+
 fn main() {}
