@@ -287,6 +287,41 @@ fn what_follows_as_in_statics() {
 }
 
 lagrangian! {
+    /// A bob on a rod, a mass on a spring that it pulls, and a direction beside them.
+    pub system Pulling {
+        param m, l, k, c, g = 9.81;
+        coord x, y, s;
+        coord n: direction;
+        T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2)) + 0.1 * dot(s).powi(2) + 0.5 * dot(n).norm_squared();
+        V = m * g * y + 0.5 * k * (s - x * y).powi(2) + s + 0.3 * n[2] * x;
+        D = 0.5 * c * dot(s).powi(2);
+        constraint rod: x * x + y * y == l * l;
+        pub simplified Followed: quasistatic s;
+    }
+}
+
+lagrangian! {
+    pub system FollowedByHand {
+        param m, l, k, c, g = 9.81;
+        coord x, y;
+        coord n: direction;
+        let s = x * y - 1 / k;
+        T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2)) + 0.1 * dot(s).powi(2) + 0.5 * dot(n).norm_squared();
+        V = m * g * y + 0.5 * k * (s - x * y).powi(2) + s + 0.3 * n[2] * x;
+        D = 0.5 * c * dot(s).powi(2);
+        constraint rod: x * x + y * y == l * l;
+    }
+}
+
+/// Multipliers have no part in the statics of a coordinate that is in no constraint.
+#[test]
+fn what_follows_beside_constraints() {
+    let whole = Pulling::new(2.0, 1.3, 40.0, 0.7);
+    let by_hand = FollowedByHand::new(2.0, 1.3, 40.0, 0.7);
+    agree(&Followed::of(&whole), &by_hand);
+}
+
+lagrangian! {
     /// A pendulum whose pivot is shaken along an ellipse, from the lowest point, in the axes of the world and in
     /// those of the pivot.
     pub system Shaken {

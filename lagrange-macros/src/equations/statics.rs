@@ -22,8 +22,12 @@ pub fn statics(
     let place = |i: usize| origin.kept.iter().position(|k| *k == i).expect("it is not held");
     let x: Vec<usize> = following.iter().map(|i| place(*i)).collect();
     let label = |k: usize| model.coordinates[x[k]].label();
-    if !model.constraints.is_empty() {
-        return Err("multipliers of constraints act in statics, too, and are not known here".into());
+    let acts = |row: &[Value]| following.iter().any(|i| !row[*i].is_zero());
+    if let Some(j) = whole.equations.formed.rows.jacobian.iter().position(|row| acts(row)) {
+        return Err(format!(
+            "the multiplier of the constraint `{}` acts in statics, too, and is not known here",
+            whole.model.constraints[j].label()
+        ));
     }
     let g = &mut graph.clone();
     let parts = Parts::of(g, model);

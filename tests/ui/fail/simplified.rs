@@ -127,7 +127,7 @@ pub mod simplified_with_constraints {
             V = m * g * y + 0.5 * z * z;
             constraint rod: x * x + y * y == l * l;
             pub simplified Small: expand x to 2 about 0;
-            pub simplified Slow: quasistatic z;
+            pub simplified Slow: quasistatic y;
         }
     }
 
