@@ -3,7 +3,7 @@
 
 use lagrange_runtime::failure::Requirement;
 use lagrange_runtime::prelude::*;
-use lagrange_runtime::{Advance, Controller, Statistics, Stepper};
+use lagrange_runtime::{Advance, Controller, Direction, Statistics, Stepper};
 use std::collections::HashMap;
 use std::fmt::Debug;
 
@@ -789,4 +789,130 @@ fn an_interrupted_attitude_costs_what_it_costs() {
     goes_on(Rk4, FixedStep::new(0.01));
     goes_on(Rk4, FixedStep::new(0.05));
     goes_on(Gauss4, FixedStep::new(0.02));
+}
+
+lagrangian! {
+    /// An oscillator that is pushed, and two events that jump with the push.
+    pub system Pushed {
+        input u;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * x.powi(2);
+        Q[x] = u;
+        event w: x + u - 0.4;
+        event b: dot(x) + 0.5 * u - 0.2;
+        event two: t - 0.5;
+    }
+}
+
+/// What an input takes across zero is met, and what follows it too, one by one as in one sweep: beside another jump,
+/// and beside an event of time at a sampling instant.
+#[test]
+fn events_that_jump_together_are_met_one_by_one() {
+    fn check<M, C>(
+        method: M,
+        controller: C,
+        x: f64,
+        law: fn(&State<f64, 1>, &mut SVector<f64, 1>),
+        tolerance: f64,
+    ) where
+        M: Method<Pushed, 1> + Clone,
+        C: Controller<f64, 1, M::Error> + Clone,
+    {
+        let start = State::new(0.0, [x], [0.0]);
+        let stepper =
+            || Stepper::new(Pushed::default(), method.clone(), controller.clone(), start).every(0.25, law);
+        let mut sweep: Vec<_> = stepper()
+            .until(0.7)
+            .events((Pushed::W, Pushed::B, Pushed::TWO))
+            .map(|event| event.map(|event| (event.name, event.direction, event.state.t)).unwrap())
+            .collect();
+        let mut one_by_one = Vec::new();
+        let mut single = stepper();
+        while let Some(event) = single.until(0.7).events((Pushed::W, Pushed::B, Pushed::TWO)).next() {
+            let event = event.unwrap();
+            one_by_one.push((event.name, event.direction, event.state.t));
+        }
+        let sorted = |events: &mut Vec<(&'static str, Direction, f64)>| {
+            events.sort_by_key(|event| ((event.2 * 1e6).round() as i64, event.0));
+        };
+        sorted(&mut sweep);
+        sorted(&mut one_by_one);
+        let jumps = one_by_one
+            .iter()
+            .filter(|event| event.0 != "two" && (4.0 * event.2 - (4.0 * event.2).round()).abs() < 1e-9);
+        assert_eq!(jumps.count(), 4, "{one_by_one:?}");
+        assert_eq!(sweep.len(), one_by_one.len(), "{sweep:?} {one_by_one:?}");
+        for (a, b) in sweep.iter().zip(&one_by_one) {
+            assert!(a.0 == b.0 && a.1 == b.1 && (a.2 - b.2).abs() < tolerance, "{sweep:?} {one_by_one:?}");
+        }
+    }
+    let pulse = |at: &State<f64, 1>, u: &mut SVector<f64, 1>| u[0] = if at.t == 0.25 { 0.6 } else { 0.0 };
+    let gap = |at: &State<f64, 1>, u: &mut SVector<f64, 1>| u[0] = if at.t == 0.25 { 0.0 } else { 0.6 };
+    for (x, law) in [(-0.1, pulse as fn(&State<f64, 1>, &mut SVector<f64, 1>)), (0.1, gap)] {
+        check(Dop853, PiController::tolerance(1e-11), x, law, 1e-9);
+        check(Taylor, TaylorController::tolerance(1e-13), x, law, 1e-9);
+        check(Radau5, PiController::tolerance(1e-9), x, law, 1e-7);
+        check(Rk4, FixedStep::new(0.05), x, law, 1e-4);
+    }
+    // An input that is set at an event takes another one across zero.
+    let mut pushed = Stepper::new(
+        Pushed::default(),
+        Dop853,
+        PiController::tolerance(1e-11),
+        State::new(0.0, [0.1], [0.0]),
+    );
+    let mut met = Vec::new();
+    while let Some(event) = pushed.until(0.6).events((Pushed::TWO, Pushed::W)).next() {
+        let event = event.unwrap();
+        met.push(event.name);
+        if event.name == "two" {
+            pushed.set_inputs([2.0]).unwrap();
+        }
+    }
+    assert_eq!(met, ["two", "w"]);
+}
+
+/// A restart at another time keeps to the sampling instants: sums of parabolas by hand.
+#[test]
+fn a_restart_at_another_time_keeps_the_instants() {
+    for (t, right) in [(0.5, 5.7890625), (1.3, 4.3571875), (2.6, 2.1225)] {
+        let law = |at: &State<f64, 1>, u: &mut SVector<f64, 1>| u[0] = at.t;
+        let start = State::new(0.0, [0.0], [1.0]);
+        let mut cart =
+            Stepper::new(Free::default(), Dop853, PiController::tolerance(1e-12), start).every(0.25, law);
+        let mut events = cart.until(4.0).events(Free::GATE);
+        events.next().unwrap().unwrap();
+        events.restart(State::new(t, [2.0], [0.0]));
+        drop(events);
+        cart.advance_to(3.0).unwrap();
+        assert!((cart.state().q[0] - right).abs() < 1e-12, "{t}: {} for {right}", cart.state().q[0]);
+    }
+}
+
+/// Calls for times within rounding of each other add up to a motion.
+#[test]
+fn increments_within_rounding_add_up() {
+    for ulps in 1..=8 {
+        let start = State::new(1000.0, [0.0], [1.0]);
+        let mut cart = Stepper::new(Free::default(), Dop853, PiController::tolerance(1e-9), start);
+        let mut t = 1000.0_f64;
+        for _ in 0..1000 {
+            (0..ulps).for_each(|_| t = t.next_up());
+            cart.advance_to(t).unwrap();
+            assert_eq!(cart.state().t, t);
+        }
+        assert!((cart.state().q[0] / (t - 1000.0) - 1.0).abs() < 5e-3, "{ulps}: {}", cart.state().q[0]);
+    }
+}
+
+lagrangian! {
+    pub system Free {
+        input u;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0;
+        Q[x] = u;
+        event gate: x - 1.0, terminal;
+    }
 }

@@ -277,7 +277,7 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
     /// were not reported yet are reported after the restart, if the motion from `state` still crosses them.
     pub fn restart(&mut self, state: State<Number<D, N>, N>) {
         self.run.return_to_end();
-        self.run.parts().1.restart(state);
+        self.run.restart(state);
         self.step = None;
         self.stage = Stage::Between;
         self.search.restart();

@@ -170,6 +170,8 @@ pub(super) struct Scan {
     pub passed: bool,
     /// The sign of g before the root at which the run was ended; 0 if that is not known, or g touched zero.
     came_from: f64,
+    /// The sign with which the step was entered.
+    entered: f64,
     /// The place at which g is first seen to have left the root that the run began on, and g there.
     departed: Option<(f64, f64)>,
 }
@@ -200,6 +202,7 @@ impl Scan {
         nearby: 0.0,
         passed: false,
         came_from: 0.0,
+        entered: 0.0,
         departed: None,
     };
 
@@ -285,7 +288,7 @@ impl Scan {
         if self.passed {
             (self.x, self.g, self.sign, self.scale) = (1.0, end, side, scale);
             (self.found, self.ahead, self.last) = (None, None, f64::NAN);
-            (self.band, self.left) = (0.0, true);
+            (self.band, self.left, self.entered) = (0.0, true, side);
             (self.reported, self.pending, self.beyond) = (false, None, 0.0);
         }
         self.passed
@@ -318,7 +321,7 @@ impl Scan {
     pub fn enter(&mut self, grid: Grid) {
         (self.grid, self.x, self.next, self.ahead, self.pending) = (grid, 0.0, 0, None, None);
         // A start on the root is as good as reported.
-        self.reported = self.sign == 0.0;
+        (self.reported, self.entered) = (self.sign == 0.0, self.sign);
         self.last = if self.reported { 0.0 } else { f64::NAN };
     }
 
@@ -346,6 +349,11 @@ impl Scan {
     ) {
         self.reported &= (self.last - x).abs() <= rounding;
         if self.reported {
+            return;
+        }
+        // An input has taken g across zero before the step: however large it is, that is still to be met.
+        if x <= rounding && self.entered * g < 0.0 && g.abs() > NEAR_ANOTHER * changes {
+            self.pending = Some([self.entered, f64::MAX]);
             return;
         }
         let before = (x - CLOSE).max(0.0);

@@ -10,6 +10,9 @@ pub type Side = [f64; 2];
 /// Rounding of g at one state.
 const SAME: f64 = 1e-12;
 
+/// Roundings of g beyond which an event that was met is on the other side, to which an input took it.
+const JUMPED: f64 = 64.0;
+
 /// An event by its properties, and its g where the motion was left.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
@@ -36,8 +39,9 @@ pub struct Sides {
     count: usize,
     /// The motion was left at an event, from which an impact may lead on.
     landed: bool,
-    /// Inputs have changed since.
+    /// Inputs have changed since, and so has the state, or the system.
     driven: bool,
+    changed: bool,
     kept: [(Left, Side); KEPT],
 }
 
@@ -61,8 +65,20 @@ impl Sides {
             let moved = self.landed || self.driven;
             let is = |left: &Left, moved: bool| left.event == event.event && (moved || left.is(&event));
             let at_its_place = kept.get(i).filter(|(left, _)| is(left, moved));
-            at_its_place.or_else(|| kept.iter().find(|(left, _)| is(left, false))).map(|&(_, side)| side)
+            let kept = at_its_place.or_else(|| kept.iter().find(|(left, _)| is(left, false)));
+            kept.map(|&(left, side)| if self.changed { side } else { self.stays(left, side, event.g) })
         })
+    }
+
+    /// The side of an event where the state is as it was left: whatever inputs make of g, now or before the next step, is
+    /// a crossing from there. What passed zero within rounding is still to be met, and not again.
+    fn stays(&self, left: Left, [side, reach]: Side, now: f64) -> Side {
+        match side {
+            0.0 if left.g.abs() > JUMPED * reach => [left.g.signum(), f64::MAX],
+            0.0 => [side, reach],
+            _ if side * left.g > 0.0 || self.driven && now.abs() > reach => [side, f64::MAX],
+            _ => [side, reach],
+        }
     }
 
     /// The inputs are others from now on.
@@ -73,8 +89,9 @@ impl Sides {
     /// The state, or the system, is another one from now on: what was within rounding of a terminal event is still to
     /// come.
     pub fn changed(&mut self) {
-        if !self.landed {
-            *self = Sides::default();
+        match self.landed {
+            true => self.changed = true,
+            false => *self = Sides::default(),
         }
     }
 }

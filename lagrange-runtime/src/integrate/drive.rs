@@ -61,6 +61,12 @@ pub trait Drive<const N: usize> {
         None
     }
 
+    /// Goes on from elsewhere.
+    #[doc(hidden)]
+    fn restart(&mut self, state: State<Number<Self, N>, N>) {
+        self.parts().1.restart(state);
+    }
+
     /// Goes back to a state within the last step, where the motion may be left.
     #[doc(hidden)]
     fn back_to(&mut self, _: State<Number<Self, N>, N>) {}

@@ -63,6 +63,8 @@ pub struct Stepper<Sys: System<N>, M: Method<Sys, N>, C, const N: usize, U = ()>
     control: U,
     max_steps: Option<u64>,
     sides: Sides,
+    /// The time at which the state was made, and the one within rounding of it that a call asked for.
+    asked: Option<[Sys::Scalar; 2]>,
 }
 
 /// Stepper with one sampled controller, whose control law is in a box: the type of
@@ -124,6 +126,7 @@ where
             control: (),
             max_steps: None,
             sides: Sides::default(),
+            asked: None,
         }
     }
 }
@@ -189,10 +192,10 @@ where
 
     /// The same stepper with the control that is made of the present time and of the one that it has.
     fn controlled<V>(self, add: impl FnOnce(Sys::Scalar, U) -> V) -> Stepper<Sys, M, C, N, V> {
-        let Stepper { system, mut engine, control, max_steps, sides } = self;
+        let Stepper { system, mut engine, control, max_steps, sides, asked } = self;
         engine.status = Status::Unprepared;
         let control = add(engine.state.t, control);
-        Stepper { system, engine, control, max_steps, sides }
+        Stepper { system, engine, control, max_steps, sides, asked }
     }
 
     /// Fails a call with [`Failure::BudgetUsedUp`] when `max_steps` steps, accepted or not, did not suffice for it;
@@ -225,11 +228,8 @@ where
             None => admitted(&self.system, &state)
                 .map_err(|failure| self.system.explained(&state, &state, failure))?,
         };
-        if !coincide(state.t, self.engine.state.t, self.control.scale()) {
-            self.control.seek(state.t);
-        }
         self.sides.changed();
-        self.engine.restart(state);
+        self.goes_on_from(state);
         self.engine.start = state;
         Ok(())
     }
@@ -411,6 +411,13 @@ where
         }
     }
 
+    fn goes_on_from(&mut self, state: State<Sys::Scalar, N>) {
+        if !coincide(state.t, self.engine.state.t, self.control.scale()) {
+            self.control.seek(state.t);
+        }
+        self.engine.restart(state);
+    }
+
     /// Do steps go back in time? Fails if there are digital controllers.
     fn goes_back(&self) -> Result<bool, Failure<Sys::Scalar>> {
         let back = matches!(self.engine.controller.first_step(), FirstStep::Fixed(h) if h < Scalar::zero());
@@ -420,15 +427,24 @@ where
         Ok(back)
     }
 
+    /// The time at which the state was made. Many calls for times within rounding of the last one would move time
+    /// without a motion otherwise.
+    #[inline(always)]
+    fn made_at(&self) -> Sys::Scalar {
+        let now = self.engine.state.t;
+        self.asked.filter(|[_, asked]| *asked == now).map_or(now, |[made, _]| made)
+    }
+
     /// Is the time t reached, up to rounding? Then it is the time of the state. Fails where it lies behind.
     fn has_reached(&mut self, t: Sys::Scalar) -> Result<bool, Failure<Sys::Scalar>> {
-        let now = self.engine.state.t;
+        let now = self.made_at();
         if !t.to_f64().is_finite() {
             return Err(Failure::BadEnd { end: Some(t) });
         }
         let behind = if self.goes_back()? { t > now } else { t < now };
         if coincide(t, now, self.control.scale()) {
             self.engine.state.t = t;
+            self.asked = (t != now).then_some([now, t]);
             Ok(true)
         } else if behind {
             Err(Failure::TimeGoesBack { t: now, end: t })
@@ -491,6 +507,8 @@ where
         &mut self,
         target: Option<Sys::Scalar>,
     ) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
+        self.engine.state.t = self.made_at();
+        self.asked = None;
         let step = self.aim(target).and_then(|end| {
             self.engine.may_prepare()?;
             self.engine.towards(&self.system, end)?;
@@ -535,7 +553,7 @@ where
     U: Control<Sys, N>,
 {
     fn is_over(&self) -> bool {
-        coincide(self.end, self.stepper.engine.state.t, self.stepper.control.scale())
+        coincide(self.end, self.stepper.made_at(), self.stepper.control.scale())
     }
 
     /// The states at the given times, as [`Run::sample`](super::Run::sample). The stepper is left at the end of the
@@ -595,6 +613,10 @@ where
 
     fn sides(&mut self) -> Option<&mut Sides> {
         Some(&mut self.stepper.sides)
+    }
+
+    fn restart(&mut self, state: State<Sys::Scalar, N>) {
+        self.stepper.goes_on_from(state);
     }
 
     fn back_to(&mut self, state: State<Sys::Scalar, N>) {
@@ -684,12 +706,13 @@ mod saved {
         C: Serialize,
     {
         fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-            let mut all = to.serialize_struct("Stepper", 5)?;
+            let mut all = to.serialize_struct("Stepper", 6)?;
             all.serialize_field("method", &Named::<M>::NEW)?;
             all.serialize_field("system", &self.system)?;
             all.serialize_field("engine", &self.engine)?;
             all.serialize_field("max_steps", &self.max_steps)?;
             all.serialize_field("sides", &self.sides)?;
+            all.serialize_field("asked", &self.asked)?;
             all.end()
         }
     }
@@ -707,6 +730,7 @@ mod saved {
         engine: Engine<Sys, M, C, N>,
         max_steps: Option<u64>,
         sides: Sides,
+        asked: Option<[Sys::Scalar; 2]>,
     }
 
     impl<'de, Sys, M, C, const N: usize> Deserialize<'de> for Stepper<Sys, M, C, N>
@@ -718,9 +742,10 @@ mod saved {
         C: Deserialize<'de>,
     {
         fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-            let Saved { system, engine, max_steps, sides, .. } = Saved::<Sys, M, C, N>::deserialize(from)?;
+            let Saved { system, engine, max_steps, sides, asked, .. } =
+                Saved::<Sys, M, C, N>::deserialize(from)?;
             admitted(&system, &engine.state).map_err(D::Error::custom)?;
-            Ok(Stepper { system, engine, control: (), max_steps, sides })
+            Ok(Stepper { system, engine, control: (), max_steps, sides, asked })
         }
     }
 }
