@@ -90,7 +90,8 @@
 //!
 //! An input that changes and takes g across zero is an event at that time (g is right-continuous, as inputs are),
 //! also between two searches for the same events by a stepper. Another state or system, by `set_state` or
-//! `system_mut`, is none.
+//! `system_mut`, is none, and hides what an input has changed before it. Of several events at the end of
+//! `stepper.until(t)`, met one by one, those after the first may be met at the start of the next search.
 //!
 //! The start of a run is no occurrence, even where g vanishes at it, and neither is the state with which a run is
 //! restarted at an event. A start counts as one where g vanishes if |g| is there at most its change within rounding:
