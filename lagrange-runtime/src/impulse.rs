@@ -35,8 +35,9 @@ pub trait Impulsive<const N: usize>: Lagrangian<N> {
     /// they admit.
     ///
     /// # Hypotheses
-    /// - The point is one of the system, whose position does not depend on time, and it can move along the normal:
-    ///   otherwise velocities are not finite.
+    /// - The point is one of the system, and it can move along the normal: otherwise velocities are not finite.
+    /// - The point's position does not depend on time, as that on a prescribed coordinate does: otherwise only its
+    ///   velocity relative to what moves it is reversed.
     fn rebound(
         &self,
         at: &State<Self::Scalar, N>,
