@@ -805,8 +805,8 @@ lagrangian! {
     }
 }
 
-/// What an input takes across zero is met, and what follows it too, one by one as in one sweep: beside another jump,
-/// and beside an event of time at a sampling instant.
+/// Events that an input takes across zero are met, and those that follow them, one by one as in one sweep: beside
+/// another jump, and beside an event of time at a sampling instant.
 #[test]
 fn events_that_jump_together_are_met_one_by_one() {
     fn check<M, C>(

@@ -70,8 +70,8 @@ impl Sides {
         })
     }
 
-    /// The side of an event where the state is as it was left: whatever inputs make of g, now or before the next step, is
-    /// a crossing from there. What passed zero within rounding is still to be met, and not again.
+    /// The side of an event where the state is as it was left: whatever inputs make of g, now or before the next step,
+    /// is a crossing from there. An event that passed zero within rounding is still to be met, and not again.
     fn stays(&self, left: Left, [side, reach]: Side, now: f64) -> Side {
         match side {
             0.0 if left.g.abs() > JUMPED * reach => [left.g.signum(), f64::MAX],
