@@ -15,6 +15,7 @@ pub mod elimination;
 pub mod events;
 pub mod formed;
 mod gauge;
+mod leaps;
 pub mod quantities;
 pub mod responses;
 pub mod restriction;
@@ -77,6 +78,7 @@ impl Equations {
 pub fn equations(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Equations> {
     let formed = formed(g, model, errors)?;
     gauge::gauge(g, model, &formed, errors);
+    leaps::leaps(g, model, &formed, errors);
     let solved = solved(g, model, &formed, errors)?;
     let quantities = quantities(g, model, &formed, &solved);
     let facts = facts(g, model, &formed, &solved, &quantities);

@@ -37,6 +37,46 @@ lagrangian! {
     }
 }
 
+// Momenta that jump: of a mass that is picked up, of one on a base that starts to move, of an inertia that changes. That
+// of a slope has a kink.
+lagrangian! {
+    pub system PickUp {
+        param m1, m2, gap;
+        coord x;
+        let y = max(x - gap, 0);
+        T = 0.5 * m1 * dot(x).powi(2) + 0.5 * m2 * dot(y).powi(2);
+        V = 0;
+    }
+}
+
+lagrangian! {
+    pub system Base {
+        param m, k;
+        coord x;
+        coord p = 0.5 * max(t - 1, 0);
+        T = 0.5 * m * (dot(x) + dot(p)).powi(2);
+        V = 0.5 * k * x * x;
+    }
+}
+
+lagrangian! {
+    pub system Gear {
+        param m;
+        coord x;
+        T = 0.5 * m * if x > 0 { 3 } else { 1 } * dot(x).powi(2);
+        V = x;
+    }
+}
+
+lagrangian! {
+    pub system Slope {
+        param m;
+        coord x;
+        T = 0.5 * m * (1 + abs(x - 0.3)) * dot(x).powi(2);
+        V = x;
+    }
+}
+
 fn main() {
     let system = Pendulum::new(1.0, 0.5, 0.1);
     let (q, qd) = (SVector::from([0.1]), SVector::from([0.0]));
