@@ -10,8 +10,8 @@ use crate::model::Model;
 const RANGE: f64 = 4.0;
 const PARTS: u32 = 64;
 
-/// Warns of a momentum ∂L/∂q̇ that jumps at a switch. Tried with numbers: a jump is one that is as large 1e-9 beside the
-/// switch as 1e-6 beside it.
+/// Warns of a momentum ∂L/∂q̇ that jumps at a switch. Tried with numbers: a jump is one that is as large 1e-9 beside
+/// the switch as 1e-6 beside it.
 pub fn leaps(g: &Graph, model: &Model, formed: &Formed, errors: &mut Errors) {
     let derived = model.origin.is_some() || model.reduction.is_some();
     let Some(keyword) = model.keywords.kinetic.as_ref().filter(|_| !derived) else { return };
