@@ -124,27 +124,36 @@ pub fn whole<'a>(mut data: impl Iterator<Item = (&'a Ident, &'a Data)>) -> Token
     if data.next().is_some() { quote!(::core::clone::Clone::clone(self)) } else { quote!(self) }
 }
 
-/// The field with the data that functions have in lanes, if there are any, and its declaration.
-pub fn in_lanes<'a>(
-    runtime: &TokenStream,
-    data: impl Iterator<Item = (&'a Ident, &'a Data)>,
-) -> (Option<Ident>, Option<TokenStream>) {
-    let types: Vec<&syn::Type> = data.map(|(_, data)| &data.ty).collect();
-    let field = (!types.is_empty()).then(|| Ident::new(body::IN_LANES, Span::call_site()));
-    let declared =
-        field.as_ref().map(|field| quote!(#[doc(hidden)] pub #field: #runtime::DataInLanes<(#(#types,)*)>,));
-    (field, declared)
+/// The fields that nobody declares.
+pub struct Hidden {
+    /// That of the data which functions have in lanes, if there are any.
+    pub in_lanes: Option<Ident>,
+    /// The marker of a system without parameters, in which the scalar would be unused, with its value.
+    pub marker: Option<TokenStream>,
+    /// The declarations.
+    pub declared: TokenStream,
+    /// The values of a new system.
+    pub new: TokenStream,
 }
 
-/// The field of a system without parameters, in which the scalar would be unused, and its value.
-pub fn phantom<'a>(
+/// The fields that nobody declares, of a system whose scalar is unused or not.
+pub fn hidden<'a>(
+    runtime: &TokenStream,
     unused: bool,
-    mut data: impl Iterator<Item = (&'a Ident, &'a Data)>,
-) -> [Option<TokenStream>; 2] {
-    let taken = data.any(|(field, _)| field == "scalar");
-    let field = Ident::new(if taken { "scalar_" } else { "scalar" }, Span::call_site());
-    let marker = quote!(#field: ::core::marker::PhantomData);
-    [quote!(#marker<S>,), quote!(#marker,)].map(|field| unused.then_some(field))
+    data: impl Iterator<Item = (&'a Ident, &'a Data)>,
+) -> Hidden {
+    let (names, types): (Vec<&Ident>, Vec<&syn::Type>) = data.map(|(field, data)| (field, &data.ty)).unzip();
+    let in_lanes = (!types.is_empty()).then(|| Ident::new(body::IN_LANES, Span::call_site()));
+    let taken = names.iter().any(|field| *field == "scalar");
+    let scalar = Ident::new(if taken { "scalar_" } else { "scalar" }, Span::call_site());
+    let marker = unused.then(|| quote!(#scalar: ::core::marker::PhantomData));
+    let lanes = in_lanes.iter();
+    let declared =
+        lanes.clone().map(|field| quote!(#[doc(hidden)] pub #field: #runtime::DataInLanes<(#(#types,)*)>,));
+    let declared = declared.chain(marker.iter().map(|marker| quote!(#marker<S>,))).collect();
+    let new = lanes.map(|field| quote!(#field: #runtime::DataInLanes::NONE,));
+    let new = new.chain(marker.clone()).collect();
+    Hidden { in_lanes, marker, declared, new }
 }
 
 /// The argument of `new` for a parameter: a field's name may be that of a constant, which no argument can have.
@@ -322,7 +331,7 @@ impl Emitter<'_> {
         let Model { name, runtime, .. } = &self.d.model;
         let whole = whole(self.d.model.data());
         let fields = self.d.model.data().map(|(field, _)| field);
-        let (Some(in_lanes), _) = in_lanes(runtime, self.d.model.data()) else {
+        let Some(in_lanes) = hidden(runtime, false, self.d.model.data()).in_lanes else {
             return (quote!(#whole.map(f)), None);
         };
         let other = other_scalar(name);

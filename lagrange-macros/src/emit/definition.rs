@@ -1,6 +1,6 @@
 //! The struct of a system: its fields, constructors, `map`, and what saves it.
 
-use super::{argument, as_given, derives, in_lanes, other_scalar, phantom, unless_documented, whole};
+use super::{Hidden, argument, as_given, derives, hidden, other_scalar, unless_documented, whole};
 use crate::model::{Model, Parameter};
 use proc_macro2::{Ident, TokenStream};
 use quote::quote;
@@ -11,14 +11,15 @@ const UNITS_OF_PARAMETERS: &str = "SI units unless the energies are in others";
 
 /// The struct with its constructors.
 pub fn definition(model: &Model, documentation: &[String]) -> TokenStream {
-    let structure = structure(model, documentation);
-    let [new, default] = constructors(model);
-    let (map, saved) = (map(model), saved(model));
+    let hidden = hidden(&model.runtime, model.parameters.is_empty(), model.data());
+    let structure = structure(model, &hidden, documentation);
+    let [new, default] = constructors(model, &hidden);
+    let (map, saved) = (map(model, &hidden), saved(model, &hidden));
     quote!(#structure #new #map #default #saved)
 }
 
-fn structure(model: &Model, documentation: &[String]) -> TokenStream {
-    let Model { name, visibility, attributes, parameters, runtime, .. } = model;
+fn structure(model: &Model, hidden: &Hidden, documentation: &[String]) -> TokenStream {
+    let Model { name, visibility, attributes, parameters, .. } = model;
     let fields = parameters.iter().map(|p| {
         let (attributes, field, ty) = (&p.attributes, &p.name, of_length(p, quote!(S)));
         let text = unless_documented(attributes, || documentation_of(p));
@@ -31,8 +32,7 @@ fn structure(model: &Model, documentation: &[String]) -> TokenStream {
         });
         quote!(#(#attributes)* #text pub #field: #ty,)
     });
-    let (_, in_lanes) = in_lanes(runtime, model.data());
-    let [phantom, _] = phantom(parameters.is_empty(), model.data());
+    let hidden = &hidden.declared;
     let derives = derives(model.data());
     quote! {
         #(#attributes)*
@@ -42,8 +42,7 @@ fn structure(model: &Model, documentation: &[String]) -> TokenStream {
         #visibility struct #name<S = f64> {
             #(#fields)*
             #(#data)*
-            #in_lanes
-            #phantom
+            #hidden
         }
     }
 }
@@ -81,8 +80,9 @@ fn documentation_of(p: &Parameter) -> String {
 }
 
 /// `new`, whose arguments are what has no default value, and `Default`, where everything has one.
-fn constructors(model: &Model) -> [TokenStream; 2] {
+fn constructors(model: &Model, hidden: &Hidden) -> [TokenStream; 2] {
     let Model { name, parameters, runtime, .. } = model;
+    let hidden = &hidden.new;
     let required: Vec<&Parameter> = parameters.iter().filter(|p| p.default.is_none()).collect();
     let arguments = required.iter().map(|p| {
         let (argument, ty) = (argument(&p.name), of_length(p, quote!(f64)));
@@ -106,11 +106,8 @@ fn constructors(model: &Model) -> [TokenStream; 2] {
             }
         }
     };
-    let (in_lanes, _) = in_lanes(runtime, model.data());
-    let [_, phantom] = phantom(parameters.is_empty(), model.data());
     let values = parameters.iter().map(|p| set(p, &|x| quote!(#x)));
     let values = values.chain(model.data().map(|(field, _)| as_given(field)));
-    let values = values.chain(in_lanes.map(|field| quote!(#field: #runtime::DataInLanes::NONE,)));
     let given = required.iter().map(|p| &p.name).chain(model.data().map(|(name, _)| name));
     let given: Vec<String> = given.map(|name| format!("`{name}`")).collect();
     let text = if given.is_empty() {
@@ -125,7 +122,7 @@ fn constructors(model: &Model) -> [TokenStream; 2] {
         impl #name<f64> {
             #[doc = #text]
             pub const fn new(#(#arguments),*) -> Self {
-                #name { #(#values)* #phantom }
+                #name { #(#values)* #hidden }
             }
         }
     };
@@ -134,7 +131,7 @@ fn constructors(model: &Model) -> [TokenStream; 2] {
         quote! {
             impl<S: #runtime::Scalar> ::core::default::Default for #name<S> {
                 fn default() -> Self {
-                    #name { #(#values)* #phantom }
+                    #name { #(#values)* #hidden }
                 }
             }
         }
@@ -142,10 +139,9 @@ fn constructors(model: &Model) -> [TokenStream; 2] {
     [new, quote!(#default)]
 }
 
-fn map(model: &Model) -> TokenStream {
-    let Model { name, parameters, runtime, .. } = model;
-    let (in_lanes, _) = in_lanes(runtime, model.data());
-    let [_, phantom] = phantom(parameters.is_empty(), model.data());
+fn map(model: &Model, hidden: &Hidden) -> TokenStream {
+    let Model { name, parameters, .. } = model;
+    let Hidden { in_lanes, marker, .. } = hidden;
     let mapped = parameters.iter().map(|p| {
         let field = &p.name;
         match p.length {
@@ -153,8 +149,7 @@ fn map(model: &Model) -> TokenStream {
             Some(_) => quote!(#field: self.#field.map(&mut f),),
         }
     });
-    let data =
-        model.data().map(|(field, _)| field).chain(&in_lanes).map(|field| quote!(#field: self.#field,));
+    let data = model.data().map(|(field, _)| field).chain(in_lanes).map(|field| quote!(#field: self.#field,));
     let mutable = (!parameters.is_empty()).then(|| quote!(mut));
     let other = other_scalar(name);
     quote! {
@@ -163,16 +158,15 @@ fn map(model: &Model) -> TokenStream {
             /// System over another scalar: each parameter through `f`, in its unit. A sweep puts lanes into the
             /// parameters, a sensitivity duals.
             pub fn map<#other>(self, #mutable f: impl ::core::ops::FnMut(S) -> #other) -> #name<#other> {
-                #name { #(#mapped)* #(#data)* #phantom }
+                #name { #(#mapped)* #(#data)* #marker }
             }
         }
     }
 }
 
-fn saved(model: &Model) -> TokenStream {
+fn saved(model: &Model, hidden: &Hidden) -> TokenStream {
     let Model { name, parameters, runtime, .. } = model;
-    let (in_lanes, _) = in_lanes(runtime, model.data());
-    let [_, phantom] = phantom(parameters.is_empty(), model.data());
+    let hidden = &hidden.new;
     let (text, labels) = (name.to_string(), model.parameter_labels());
     let read = parameters.iter().map(|p| {
         let field = &p.name;
@@ -185,8 +179,7 @@ fn saved(model: &Model) -> TokenStream {
         model.data().map(|(field, data)| (field, &data.ty)).unzip();
     let places = (0..types.len()).map(Index::from);
     let read = read.chain(fields.iter().zip(places).map(|(field, place)| quote!(#field: data.#place,)));
-    let read = read.chain(in_lanes.iter().map(|field| quote!(#field: #runtime::DataInLanes::NONE,)));
-    let has_data = in_lanes.is_some();
+    let has_data = !types.is_empty();
     let unpacked = has_data.then(|| quote!(let data = data?.0;));
     let whole = whole(model.data());
     quote! {
@@ -209,7 +202,7 @@ fn saved(model: &Model) -> TokenStream {
                     data: ::core::option::Option<Self::Data>,
                 ) -> ::core::option::Option<Self> {
                     #unpacked
-                    ::core::option::Option::Some(#name { #(#read)* #phantom })
+                    ::core::option::Option::Some(#name { #(#read)* #hidden })
                 }
             }
         }

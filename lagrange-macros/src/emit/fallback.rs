@@ -3,7 +3,7 @@
 
 use super::attitudes::{Named, methods};
 use super::outputs::{Types, at_state, ident};
-use super::{MARKERS, argument, as_given, derives, in_lanes, other_scalar, phantom};
+use super::{MARKERS, argument, as_given, derives, hidden, other_scalar};
 use crate::graph::Value;
 use crate::model::{NamedEvent, is_function_of};
 use crate::syntax::{Data, Declaration, Definition, Header, Kind, Statement, Submodel};
@@ -244,8 +244,7 @@ impl<'a> Stubs<'a> {
             quote!(#[doc(hidden)] pub #field: #ty,)
         });
         let data = self.data.iter().map(|(field, Data { ty, .. })| quote!(#[doc(hidden)] pub #field: #ty,));
-        let (_, in_lanes) = in_lanes(self.runtime, self.data.iter().copied());
-        let [phantom, _] = phantom(self.parameters.is_empty(), self.data.iter().copied());
+        let hidden = hidden(self.runtime, self.parameters.is_empty(), self.data.iter().copied()).declared;
         let derives = derives(self.data.iter().copied());
         quote! {
             #(#attributes)*
@@ -255,8 +254,7 @@ impl<'a> Stubs<'a> {
             #visibility struct #name<S = f64> {
                 #(#fields)*
                 #(#data)*
-                #in_lanes
-                #phantom
+                #hidden
             }
         }
     }
@@ -287,9 +285,7 @@ impl<'a> Stubs<'a> {
             }
         });
         let tables = data.iter().map(|(field, _)| as_given(field));
-        let (in_lanes, _) = in_lanes(runtime, data.iter().copied());
-        let in_lanes = in_lanes.map(|field| quote!(#field: #runtime::DataInLanes::NONE,));
-        let [_, phantom] = phantom(parameters.is_empty(), data.iter().copied());
+        let hidden = hidden(runtime, parameters.is_empty(), data.iter().copied()).new;
         let default = required.is_empty().then(|| {
             quote! {
                 impl<S: #runtime::Scalar> ::core::default::Default for #name<S> {
@@ -303,7 +299,7 @@ impl<'a> Stubs<'a> {
             impl #name<f64> {
                 #[doc(hidden)]
                 pub const fn new(#(#required),*) -> Self {
-                    #name { #(#values)* #(#tables)* #in_lanes #phantom }
+                    #name { #(#values)* #(#tables)* #hidden }
                 }
             }
             impl<S> #name<S> {

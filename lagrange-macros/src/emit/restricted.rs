@@ -1,6 +1,6 @@
 //! Code for a system with coordinates held: the way there from the whole system, and the way back.
 
-use super::Emitter;
+use super::{Emitter, Hidden, hidden};
 use crate::model::submodel::Origin;
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -17,17 +17,17 @@ impl Emitter<'_> {
             let field = &p.name;
             quote!(#field: whole.#field,)
         });
-        let (in_lanes, _) = super::in_lanes(&model.runtime, model.data());
+        let Hidden { in_lanes, marker, .. } =
+            hidden(&model.runtime, model.parameters.is_empty(), model.data());
         let data = model.data().map(|(field, _)| field).chain(&in_lanes);
         let fields = fields.chain(data.map(|field| quote!(#field: whole.#field.clone(),)));
-        let [_, phantom] = super::phantom(model.parameters.is_empty(), model.data());
         let before = quote! {
             type Whole = #of<S>;
             const KEPT: [usize; #n] = [#(#kept),*];
             const REMOVED: [usize; #count] = [#(#removed),*];
             const FOLLOWS: [bool; #count] = [#(#follows),*];
             fn of(whole: &#of<S>) -> Self {
-                #name { #(#fields)* #phantom }
+                #name { #(#fields)* #marker }
             }
         };
         self.implementation("Restricted", before, quote!())

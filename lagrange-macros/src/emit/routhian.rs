@@ -1,6 +1,6 @@
 //! Code for a reduced system: the way there from the whole system, and the way back.
 
-use super::Emitter;
+use super::{Emitter, hidden};
 use crate::model::{Reduction, Removed};
 use proc_macro2::TokenStream;
 use quote::quote;
@@ -18,7 +18,7 @@ impl Emitter<'_> {
             let field = &p.name;
             quote!(#field: self.#field,)
         });
-        let (in_lanes, _) = super::in_lanes(runtime, model.data());
+        let in_lanes = hidden(runtime, false, model.data()).in_lanes;
         let data = model.data().map(|(field, _)| field).chain(&in_lanes);
         let fields = fields.chain(data.map(|field| quote!(#field: self.#field.clone(),)));
         let momenta = removed.iter().map(|Removed { momentum, index, .. }| quote!(#momentum: p[#index],));

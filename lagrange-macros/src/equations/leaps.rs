@@ -1,9 +1,10 @@
 //! Momenta that jump with the position or with time: an impulse acts there, which the equations of motion do not have.
 
 use super::check::{TRIALS, sample};
+use super::common::switches;
 use super::formed::Formed;
 use crate::diagnostics::Errors;
-use crate::graph::{Function, Graph, Node, Symbol, Value};
+use crate::graph::{Graph, Symbol, Value};
 use crate::model::Model;
 
 /// Coordinates and times among which the place of a switch is looked for.
@@ -16,7 +17,7 @@ pub fn leaps(g: &Graph, model: &Model, formed: &Formed, errors: &mut Errors) {
     let derived = model.origin.is_some() || model.reduction.is_some();
     let Some(keyword) = model.keywords.kinetic.as_ref().filter(|_| !derived) else { return };
     for (i, p) in formed.momenta.iter().enumerate().take(model.mechanical()) {
-        if switches(g, *p).into_iter().any(|switch| jumps(g, *p, switch)) {
+        if switches(g, &[*p]).into_iter().any(|switch| jumps(g, *p, switch)) {
             let x = model.coordinates[i].label();
             let message = format!(
                 "the momentum of `{x}` jumps where a condition changes: an impulse acts there, which the equations of motion do not have\nhelp: end the run at an event there and go on from the state after the impact (`jump`), or smooth the jump"
@@ -25,16 +26,6 @@ pub fn leaps(g: &Graph, model: &Model, formed: &Formed, errors: &mut Errors) {
             return;
         }
     }
-}
-
-/// Values whose signs decide.
-fn switches(g: &Graph, momentum: Value) -> Vec<[Value; 2]> {
-    let of = |node: &Node| match node {
-        Node::Select(_, parts) => Some([parts[0], parts[1]]),
-        Node::Call(Function::signum, x, _) => Some([*x, Value::ZERO]),
-        _ => None,
-    };
-    g.live(&[momentum]).into_iter().filter_map(|id| of(g.node(id))).collect()
 }
 
 /// Does the value jump where both sides of this condition are equal, at some coordinate or time?

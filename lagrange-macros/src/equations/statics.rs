@@ -6,6 +6,7 @@
 //! structure.
 
 use super::Derived;
+use super::common::{independent, shortest};
 use super::simplified::Parts;
 use super::solve::swept;
 use crate::graph::{Function, Graph, Node, Symbol, Value};
@@ -54,7 +55,7 @@ pub fn statics(
     for (k, value) in solution.iter().enumerate() {
         may_follow(g, model, *value, &label(k))?;
     }
-    let solution = super::common::shortest(g, model.coordinates.len(), &solution);
+    let solution = shortest(g, model.coordinates.len(), &solution);
     let (all, solution) = in_whole(g, model, whole, &solution);
     let holds = following.iter().zip(solution).map(|(&index, value)| Hold { index, value });
     Ok((all, holds.collect()))
@@ -70,7 +71,7 @@ fn solved(
     let mut matrix: Vec<Vec<Value>> = Vec::new();
     for (k, sum) in sums.iter().enumerate() {
         let row = g.gradient(*sum, x);
-        if !row.iter().all(|v| super::common::independent(g, &[*v], |s| x.contains(&s))) {
+        if !row.iter().all(|v| independent(g, &[*v], |s| x.contains(&s))) {
             return Err(format!("the equation ∂V/∂q = Q of `{}` is not linear in what follows", label(k)));
         }
         for l in 0..k {

@@ -3,7 +3,7 @@
 
 use super::outline::Seen;
 use super::root::{self, first_zero, sign};
-use super::sides::Side;
+use super::sides::{NEAR_ANOTHER, Side};
 use super::{Direction, EventKind};
 use crate::scalar::Functions;
 
@@ -22,9 +22,6 @@ const NEAR: f64 = 1e-6;
 
 /// Rounding of g in units of ε beside its largest values.
 const ROUNDING: f64 = 4.0;
-
-/// Roundings of g within which the side of an event beside another one is kept.
-const NEAR_ANOTHER: f64 = 64.0;
 
 /// Roundings of g beyond which it has left a root.
 const LEFT: f64 = 4.0;

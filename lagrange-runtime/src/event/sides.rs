@@ -10,8 +10,9 @@ pub type Side = [f64; 2];
 /// Rounding of g at one state.
 const SAME: f64 = 1e-12;
 
-/// Roundings of g beyond which an event that was met is on the other side, to which an input took it.
-const JUMPED: f64 = 64.0;
+/// Roundings of g within which the side of an event beside another one is kept, and beyond which one that was met is
+/// on the other side, to which an input took it.
+pub const NEAR_ANOTHER: f64 = 64.0;
 
 /// An event by its properties, and its g where the motion was left.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -74,7 +75,7 @@ impl Sides {
     /// is a crossing from there. An event that passed zero within rounding is still to be met, and not again.
     fn stays(&self, left: Left, [side, reach]: Side, now: f64) -> Side {
         match side {
-            0.0 if left.g.abs() > JUMPED * reach => [left.g.signum(), f64::MAX],
+            0.0 if left.g.abs() > NEAR_ANOTHER * reach => [left.g.signum(), f64::MAX],
             0.0 => [side, reach],
             _ if side * left.g > 0.0 || self.driven && now.abs() > reach => [side, f64::MAX],
             _ => [side, reach],

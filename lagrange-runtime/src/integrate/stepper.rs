@@ -411,11 +411,13 @@ where
         }
     }
 
+    /// Another state, with the sampling instants after its time.
     fn goes_on_from(&mut self, state: State<Sys::Scalar, N>) {
         if !coincide(state.t, self.engine.state.t, self.control.scale()) {
             self.control.seek(state.t);
         }
         self.engine.restart(state);
+        self.asked = None;
     }
 
     /// Do steps go back in time? Fails if there are digital controllers.
