@@ -354,7 +354,10 @@ impl Emitter<'_> {
         let (statements, outputs) = self.statements(&switches.concat());
         let values = outputs.columns(0..2 * count, 2);
         let places: Vec<usize> = (0..count).collect();
+        let impulses = self.d.equations.responses.impulses;
+        let impulses = (impulses > 0).then(|| quote!(const IMPULSES: usize = #impulses;));
         Some(quote! {
+            #impulses
             const SWITCHES: usize = #count;
             fn switches(
                 &self,

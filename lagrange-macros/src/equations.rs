@@ -15,7 +15,7 @@ pub mod elimination;
 pub mod events;
 pub mod formed;
 mod gauge;
-mod leaps;
+mod impulses;
 pub mod quantities;
 pub mod responses;
 pub mod restriction;
@@ -36,6 +36,7 @@ use crate::graph::Graph;
 use crate::model::Model;
 use events::{EventFunction, events};
 use formed::{Formed, formed};
+use impulses::impulses;
 use quantities::{Quantities, quantities};
 use responses::{Responses, responses};
 use scaling::{Scalings, scalings};
@@ -77,16 +78,19 @@ impl Equations {
 /// Derives the equations. What only derivation finds (singular inertia, a D that is no quadratic form) is recorded.
 pub fn equations(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Equations> {
     let formed = formed(g, model, errors)?;
-    gauge::gauge(g, model, &formed, errors);
-    leaps::leaps(g, model, &formed, errors);
+    let impulses = impulses(g, model, &formed, errors);
+    // (The size of an impulse is in no equation of motion.)
+    if impulses.is_empty() {
+        gauge::gauge(g, model, &formed, errors);
+    }
     let solved = solved(g, model, &formed, errors)?;
     let quantities = quantities(g, model, &formed, &solved);
     let facts = facts(g, model, &formed, &solved, &quantities);
-    let responses = responses(g, model, &formed, &solved, &quantities, &facts)?;
+    let responses = responses(g, model, &formed, &solved, &quantities, &facts, &impulses)?;
     let series = if formed.rows.redundancy.is_some() {
         None
     } else {
-        series(g, model, &formed, &solved, &quantities, &facts)
+        series(g, model, &formed, &solved, &quantities, &facts, &impulses)
     };
     let events = events(g, model, &formed, &solved);
     let symmetries = symmetries(g, model, &formed);

@@ -235,6 +235,7 @@ pub struct Removed {
 #[derive(Default)]
 pub struct Keywords {
     pub kinetic: Option<Ident>,
+    pub potential: Option<Ident>,
     pub dissipation: Option<Ident>,
 }
 
@@ -438,6 +439,7 @@ fn read(
         submodels: found.submodels,
         origin,
         keywords: Keywords {
+            potential: potential.or(whole.clone()).map(|(keyword, _)| keyword),
             kinetic: kinetic.or(whole).map(|(keyword, _)| keyword),
             dissipation: dissipation.map(|(keyword, _)| keyword),
         },

@@ -273,6 +273,12 @@ pub enum Failure<S = f64> {
         /// Time.
         t: S,
     },
+    /// The motion crossed a condition (`if`, `max`, `signum`, …) across which a momentum ∂L/∂q̇ jumps, or the potential
+    /// energy: an impulse acts there, which the equations of motion do not have.
+    UnknownImpulse {
+        /// End of the step that crossed it.
+        t: S,
+    },
     /// A method needs derivatives of the accelerations, which are finite and have none: the argument of a root
     /// vanishes, as that of `v.norm()` does at rest.
     NoDerivative {
@@ -420,7 +426,7 @@ impl<S> Failure<S> {
     /// Its name, by which the guide's chapter on failures explains it: `"StepSizeUnderflow"`.
     pub fn name(&self) -> &'static str {
         variant! { self => Failure:
-            StepSizeUnderflow, NonFinite, StateNotFinite, Quadrature, SingularInertia, Cancellation, NotConverged, SingularStep, InvariantLost, ConstraintViolated, ConstraintDrift, DependentConstraints, Bifurcation, OutsideModel, BudgetUsedUp, Sliding, NoDerivative, NotDifferentiable, Unsuitable, BadTolerance, BadStepSize, WrongDirection, TimeGoesBack, BadPeriod, InputNotFinite, BadEnd, SampleOrder, SampleBeyondEnd, EventNotFinite, EventNotBracketed, EventsAccumulate, EventsUnresolved,
+            StepSizeUnderflow, NonFinite, StateNotFinite, Quadrature, SingularInertia, Cancellation, NotConverged, SingularStep, InvariantLost, ConstraintViolated, ConstraintDrift, DependentConstraints, Bifurcation, OutsideModel, BudgetUsedUp, Sliding, UnknownImpulse, NoDerivative, NotDifferentiable, Unsuitable, BadTolerance, BadStepSize, WrongDirection, TimeGoesBack, BadPeriod, InputNotFinite, BadEnd, SampleOrder, SampleBeyondEnd, EventNotFinite, EventNotBracketed, EventsAccumulate, EventsUnresolved,
         }
     }
 }
@@ -571,6 +577,12 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                  they lead back to there, as dry friction does that holds; end the run there and go on with a system that is held, \
                  or smooth the choice, for instance by `tanh`"
             ),
+            Failure::UnknownImpulse { t } => write!(
+                f,
+                "by t = {t:?} the motion crossed a condition across which a momentum or the potential energy jumps: an impulse acts \
+                 there, which the energies do not say; end the run there by an event, go on from the state after the impulse \
+                 (`jump` gives it), or smooth the jump"
+            ),
             Failure::NoDerivative { t, coordinate } => write!(
                 f,
                 "at t = {t:?} the acceleration of coordinate {coordinate} is finite but has no derivative, which the method needs: the argument of a \
@@ -699,6 +711,7 @@ impl<S> Failure<S> {
                 Failure::NotDifferentiable { t: f(t), constraint }
             }
             Failure::Sliding { t } => Failure::Sliding { t: f(t) },
+            Failure::UnknownImpulse { t } => Failure::UnknownImpulse { t: f(t) },
             Failure::NoDerivative { t, coordinate } => Failure::NoDerivative { t: f(t), coordinate },
             Failure::Unsuitable { chosen, requirement } => Failure::Unsuitable { chosen, requirement },
             Failure::BadTolerance { absolute, relative } => Failure::BadTolerance { absolute, relative },

@@ -208,6 +208,10 @@ pub trait System<const N: usize> {
     /// Number of [switching functions](Self::switches).
     const SWITCHES: usize = 0;
 
+    /// Number of switching functions at which an impulse acts, the first of all: across them a momentum ∂L/∂q̇ jumps,
+    /// or L does along a coordinate. Runs end there in [`Failure::UnknownImpulse`].
+    const IMPULSES: usize = 0;
+
     /// Calls `each` with the index of each switching function g(q, q̇, t) of the accelerations, its value and its
     /// rate dg/dt at a state with these accelerations. The accelerations are smooth where no g vanishes: a choice
     /// `a < b` has g = a − b, `x.abs()` and `x.signum()` have g = x. Adaptive runs end their steps where a g changes
@@ -604,6 +608,7 @@ macro_rules! pass_on_run {
             self.$field.shortened(at, equal)
         }
         const SWITCHES: usize = <$system as $crate::System<N>>::SWITCHES;
+        const IMPULSES: usize = <$system as $crate::System<N>>::IMPULSES;
 
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn switches(

@@ -63,20 +63,17 @@ pub fn independent(g: &mut Graph, values: &[Value], kind: impl Fn(Symbol) -> boo
         })
 }
 
-/// Pairs of values that are equal where the values may jump: both sides of a condition, and 0 beside the argument of a
-/// signum.
-pub fn switches(g: &Graph, values: &[Value]) -> Vec<[Value; 2]> {
-    let of = |node: &Node| match node {
-        Node::Select(_, parts) => Some([parts[0], parts[1]]),
-        Node::Call(Function::signum, x, _) => Some([*x, Value::ZERO]),
-        _ => None,
-    };
-    g.live(values).into_iter().filter_map(|id| of(g.node(id))).collect()
-}
-
 /// Symbols that decide where the values jump.
 pub fn jumps(g: &Graph, values: &[Value]) -> Vec<Symbol> {
-    g.symbols(switches(g, values).as_flattened())
+    let mut jumps = Vec::new();
+    for id in g.live(values) {
+        match g.node(id) {
+            Node::Select(_, parts) => jumps.extend(&parts[..2]),
+            Node::Call(Function::signum, x, _) => jumps.push(*x),
+            _ => {}
+        }
+    }
+    g.symbols(&jumps)
 }
 
 /// The values as they are or, in a system of few coordinates, multiplied out, whichever costs least.

@@ -27,6 +27,8 @@ pub struct Responses {
     pub linearization: Option<Vec<Vec<Value>>>,
     /// Switching functions of the accelerations, each with its rate in terms of q, q̇, t and given accelerations.
     pub switches: Vec<[Value; 2]>,
+    /// The first so many of them are those at which impulses act.
+    pub impulses: usize,
     /// ∂q̈/∂u, by columns.
     pub by_inputs: Option<Vec<Vec<Value>>>,
 }
@@ -44,6 +46,7 @@ pub fn responses(
     solved: &Solved,
     quantities: &Quantities,
     facts: &Facts,
+    impulses: &[Value],
 ) -> Option<Responses> {
     let Quantities { momenta, bias, force, .. } = quantities;
     let free = formed.rows.is_empty();
@@ -58,19 +61,19 @@ pub fn responses(
     let by_state: Vec<Symbol> = state(solved.accel.len()).chain([Symbol::Time]).collect();
     let jacobian = jacobian(g, formed, solved, &by_state);
     let linearization = linearization(g, bias, force);
-    let switches = match solved.solver {
+    let equations: Vec<Value> = match solved.solver {
         Solver::AtRunTime => {
             let rows = &formed.rows;
             let inertia = solved.inertia.iter().flatten().chain(&solved.right);
-            let all: Vec<Value> =
-                inertia.chain(rows.jacobian.iter().flatten()).chain(&rows.drift).copied().collect();
-            switches(g, &all, solved.accel.len())
+            inertia.chain(rows.jacobian.iter().flatten()).chain(&rows.drift).copied().collect()
         }
-        _ => switches(g, &solved.accel, solved.accel.len()),
+        _ => solved.accel.clone(),
     };
+    let switches = switches(g, impulses, &equations, solved.accel.len());
     let inputs: Vec<Symbol> = model.inputs().map(Symbol::Parameter).collect();
     let by_inputs = if inputs.is_empty() { None } else { self::jacobian(g, formed, solved, &inputs) };
-    Some(Responses { response, legendre, jacobian, linearization, switches, by_inputs })
+    let impulses = impulses.len();
+    Some(Responses { response, legendre, jacobian, linearization, switches, impulses, by_inputs })
 }
 
 /// The bordered system for any right-hand side.
@@ -144,10 +147,11 @@ fn state(n: usize) -> impl Iterator<Item = Symbol> {
     (0..n).map(Symbol::Coordinate).chain((0..n).map(Symbol::Velocity))
 }
 
-/// Switching functions of the equations of motion, or of the accelerations, and their rates under accelerations that
-/// are given.
-fn switches(g: &mut Graph, equations: &[Value], n: usize) -> Vec<[Value; 2]> {
-    let values = switching(g, equations);
+/// Switching functions at which impulses act, then those of the equations of motion or of the accelerations, and their
+/// rates under accelerations that are given.
+fn switches(g: &mut Graph, impulses: &[Value], equations: &[Value], n: usize) -> Vec<[Value; 2]> {
+    let others = switching(g, equations).into_iter().filter(|v| !impulses.contains(v));
+    let values: Vec<Value> = impulses.iter().copied().chain(others).collect();
     if values.is_empty() {
         return Vec::new();
     }

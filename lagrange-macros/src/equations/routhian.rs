@@ -94,6 +94,7 @@ pub fn routhian(derived: &Derived, errors: &mut Errors) -> Option<(Graph, Model)
         reduction: Some(Reduction { of: whole.name.clone(), removed: removed.collect(), kept: r.kept }),
         keywords: Keywords {
             kinetic: Some(header.name.clone()),
+            potential: None,
             dissipation: whole.keywords.dissipation.clone(),
         },
         parameters,

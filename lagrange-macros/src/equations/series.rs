@@ -97,8 +97,9 @@ pub fn series(
     solved: &Solved,
     quantities: &Quantities,
     facts: &Facts,
+    impulses: &[Value],
 ) -> Option<Series> {
-    let known = Known { model, formed, solved, quantities, facts };
+    let known = Known { model, formed, solved, quantities, facts, impulses };
     let (forms, switches) = forms(g, &known);
     let (mut tried, mut recurrences) = (Vec::new(), Vec::new());
     for (way, form, values) in forms {
@@ -159,7 +160,7 @@ type Candidate = (String, Rc<dyn Form>, Vec<Value>);
 
 /// All forms that the equations have, and what their sides are those of.
 fn forms(g: &mut Graph, known: &Known) -> (Vec<Candidate>, Vec<Value>) {
-    let Known { formed, solved: Solved { inertia, right, accel, .. }, .. } = known;
+    let Known { formed, solved: Solved { inertia, right, accel, .. }, impulses, .. } = known;
     let n = accel.len();
     // The equations at the bindings were the shortest in every system of so many coordinates that was counted.
     let at_bindings = n > MAX_EXPANDED_COORDINATES && bindings::are_offered(known) && !jumps(g, accel);
@@ -168,8 +169,8 @@ fn forms(g: &mut Graph, known: &Known) -> (Vec<Candidate>, Vec<Value>) {
     let entries: Vec<Value> = matrix.iter().flatten().copied().collect();
     let written = [&accel[..], &entries, &right, solution.as_deref().unwrap_or_default()].concat();
     let (sided, switches) = match switches::switching(g, accel)[..] {
-        [] => (written, Vec::new()),
-        _ => switches::sided(g, &written),
+        [] if impulses.is_empty() => (written, Vec::new()),
+        _ => switches::sided(g, &written, impulses),
     };
     let (accel, rest) = sided.split_at(n);
     let (entries, rest) = rest.split_at(entries.len());

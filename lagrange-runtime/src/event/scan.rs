@@ -346,6 +346,7 @@ impl Scan {
     ) {
         self.reported &= (self.last - x).abs() <= rounding;
         if self.reported {
+            self.band = self.band.max(changes);
             return;
         }
         // An input has taken g across zero before the step: however large it is, that is still to be met.
@@ -362,6 +363,9 @@ impl Scan {
             _ => sign(at(if self.last < x { before.max(0.5 * (self.last + x)) } else { before })),
         };
         let passed = side * g < 0.0;
+        if side == 0.0 {
+            self.band = self.band.max(changes);
+        }
         // (A start within a few roundings counts as one on the root, unless its side is known.)
         let reach =
             if passed || g.abs() <= NEAR_ANOTHER * changes { changes.max(2.0 * g.abs()) } else { changes };
@@ -394,7 +398,7 @@ impl Scan {
 
     /// The side at an event that ended the run.
     pub fn side_landed(&self) -> Side {
-        let met = [0.0, if self.reported { self.band } else { 0.0 }];
+        let met = [0.0, self.band];
         self.pending.filter(|_| !self.reported).unwrap_or(met)
     }
 

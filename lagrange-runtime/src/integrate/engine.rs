@@ -3,26 +3,21 @@
 
 use super::memories::DoubleBuffer;
 use super::rules::{self, ends_early};
-use super::switches::{Approach, Interpolated, Passage, landed_on};
+use super::switches::{Approach, Interpolated, Passage, beyond_impulses, landed_on, needs_impulse};
 use crate::attitude::steps::may_change;
 use crate::constraint::NEARLY_DEPENDENT;
 use crate::controller::{Controller, FirstStep, Verdict};
 use crate::failed::{Failed, Statistics};
-use crate::failure::{Coordinate, Failure, Part};
+use crate::failure::Failure;
 use crate::method::{Across, Interpolant, Method, Step};
 use crate::scalar::{Real, Scalar, SimdScalar};
 use crate::state::{Restored, State, Tangent};
 use crate::system::System;
-use nalgebra::SVector;
+pub use admitted::admitted;
+use admitted::{CONSISTENT, STILL_CONSISTENT, admitted_within};
 
 mod across;
-
-/// The largest violation of a constraint, as in [`Restored::violation`], that is taken for rounding in a given start.
-const CONSISTENT: f64 = 1e-6;
-
-/// The same after an input has changed, of a state that was on the constraints before. What is left of many small jumps
-/// adds up.
-const STILL_CONSISTENT: f64 = 1e-10;
+mod admitted;
 
 /// Round-off in ulps: of corrections by the projection onto constraints, whatever the tolerance, and of time in the
 /// first step.
@@ -58,6 +53,7 @@ pub struct StepEnd<Sys: System<N>, M: Method<Sys, N>, const N: usize> {
     status: Status<Sys::Scalar>,
     across: bool,
     approach: Approach,
+    leapt: bool,
 }
 
 /// Method, controller and state of a motion. The system is given to each function: it is borrowed by a run, and owned
@@ -105,6 +101,9 @@ pub struct Engine<Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
     reference: State<Sys::Scalar, N>,
     /// Approach of adaptive steps to a switch.
     pub(super) approach: Approach,
+    /// The motion is yet to begin, beyond the switches at which impulses act; its last step crossed one of them.
+    begins: bool,
+    leapt: bool,
     pub(crate) attempts: u64,
     pub(crate) max_steps: Option<u64>,
     pub(crate) statistics: Statistics,
@@ -120,6 +119,7 @@ where
     /// True if the equations switch, and whether steps may be equal or adaptive. (Constants of their own: rustc does
     /// not compile what follows one of them where it is false.)
     const SWITCHES: bool = Sys::SWITCHES > 0;
+    const IMPULSES: bool = Sys::IMPULSES > 0;
     const ATTITUDES: bool = !Sys::ATTITUDES.is_empty();
     /// Constraints may become dependent. (In lanes steps are not made across such states, so not in those that are
     /// compared with them.)
@@ -148,6 +148,8 @@ where
             set_out: 0.0,
             reference: start,
             approach: Approach::NONE,
+            begins: true,
+            leapt: false,
             attempts: 0,
             max_steps: None,
             statistics: Statistics::default(),
@@ -254,6 +256,13 @@ where
             if Self::ADAPTIVE && Sys::CONSTRAINTS > 0 {
                 self.begins(system, &given)?;
             }
+        }
+        if Self::IMPULSES && core::mem::take(&mut self.begins) {
+            let backward = match self.controller.first_step() {
+                FirstStep::Fixed(h) => h < Sys::Scalar::zero(),
+                _ => self.end.is_some_and(|end| end < self.state.t),
+            };
+            self.state = beyond_impulses(system, &self.state, backward);
         }
         if Self::ATTITUDES && self.end != Some(self.state.t) {
             if Self::EQUAL
@@ -388,6 +397,7 @@ where
         self.h = Sys::Scalar::zero();
         (self.across, self.set_out) = ([false; 2], 0.0);
         self.approach = Approach::NONE;
+        (self.begins, self.leapt) = (true, false);
         self.status = Status::Unprepared;
     }
 
@@ -397,6 +407,7 @@ where
         self.memory = None;
         self.across[0] = false;
         self.approach = Approach::NONE;
+        (self.begins, self.leapt) = (false, false);
         self.status = Status::Unprepared;
     }
 
@@ -409,6 +420,7 @@ where
             status: self.status,
             across: self.across[0],
             approach: self.approach,
+            leapt: self.leapt,
         };
         self.land(state);
         end
@@ -416,7 +428,7 @@ where
 
     pub fn return_to(&mut self, end: StepEnd<Sys, M, N>) {
         (self.state, self.memory, self.status) = (end.state, end.memory, end.status);
-        (self.across[0], self.approach) = (end.across, end.approach);
+        (self.across[0], self.approach, self.leapt) = (end.across, end.approach, end.leapt);
     }
 
     /// The next step, if there is one left. If it is `UNSEEN`, nobody asks for its interpolant. (A constant, by which
@@ -426,12 +438,22 @@ where
         &mut self,
         system: &Sys,
     ) -> Result<Option<Step<Sys, M, N>>, Failure<Sys::Scalar>> {
+        self.without_impulse()?;
         let equal = matches!(self.controller.first_step(), FirstStep::Fixed(_));
         if Self::EQUAL && (!Self::ADAPTIVE || equal) {
             self.fixed_step::<UNSEEN>(system)
         } else {
             self.adaptive_step(system)
         }
+    }
+
+    /// Fails if the last step crossed a switch at which an impulse acts, unless the motion was left there.
+    #[inline(always)]
+    pub fn without_impulse(&self) -> Result<(), Failure<Sys::Scalar>> {
+        if Self::IMPULSES && self.leapt {
+            return Err(Failure::UnknownImpulse { t: self.state.t });
+        }
+        Ok(())
     }
 
     /// A step of size `h` from anywhere, its evaluations counted, and what the next one begins with.
@@ -594,7 +616,15 @@ where
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn commit(&mut self, step: Step<Sys, M, N>, next: Option<M::MethodState>) -> Step<Sys, M, N> {
+    fn commit(
+        &mut self,
+        system: &Sys,
+        step: Step<Sys, M, N>,
+        next: Option<M::MethodState>,
+    ) -> Step<Sys, M, N> {
+        if Self::IMPULSES {
+            self.leapt = needs_impulse(system, &step.from, &step.to);
+        }
         self.state = step.to;
         self.statistics.accepted += 1;
         self.statistics.evaluations += u64::from(step.evaluations);
@@ -644,7 +674,7 @@ where
         if Self::DEPENDENT && (self.across != [false; 2] || Sys::Scalar::SLOPES > 0) {
             self.gets_across(system, &step)?;
         }
-        let step = self.commit(step, next_memory);
+        let step = self.commit(system, step, next_memory);
         if last {
             self.change(Status::Driven);
         }
@@ -728,7 +758,7 @@ where
                     if Self::DEPENDENT && (self.across != [false; 2] || Sys::Scalar::SLOPES > 0) {
                         self.gets_across(system, step)?;
                     }
-                    return Ok(Some(self.commit(attempted?, next_memory)));
+                    return Ok(Some(self.commit(system, attempted?, next_memory)));
                 }
                 Verdict::Accept { .. } => {}
                 Verdict::Reject { factor } => {
@@ -832,60 +862,6 @@ where
     };
     let evaluations = looked + u64::from(method.start_evaluations());
     (Some(started.map(|memory| (shorter, memory))), evaluations)
-}
-
-/// The part of a state that is not finite. (Names of coordinates are found by [`System::explained`].)
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn not_finite<S: Real, const N: usize>(state: &State<S, N>) -> Option<Part> {
-    let worst = |x: &SVector<S, N>| (0..N).find(|&i| x[i] * S::zero() != S::zero());
-    let at = |index: usize| Coordinate { index, name: "" };
-    match state.t.to_f64().is_finite() {
-        true if state.is_finite() => None,
-        true => worst(&state.q)
-            .map(|i| Part::Coordinate(at(i)))
-            .or_else(|| worst(&state.qd).map(|i| Part::Velocity(at(i)))),
-        false => Some(Part::Time),
-    }
-}
-
-/// A state with which a motion can begin, on the constraints of the system to rounding.
-#[cfg_attr(not(debug_assertions), inline(always))]
-pub fn admitted<Sys: System<N>, const N: usize>(
-    system: &Sys,
-    state: &State<Sys::Scalar, N>,
-) -> Result<State<Sys::Scalar, N>, Failure<Sys::Scalar>>
-where
-    Sys::Scalar: Real,
-{
-    admitted_within(system, state, CONSISTENT)
-}
-
-/// The same of a state that violates constraints by no more than the bound.
-#[cfg_attr(not(debug_assertions), inline(always))]
-fn admitted_within<Sys: System<N>, const N: usize>(
-    system: &Sys,
-    state: &State<Sys::Scalar, N>,
-    bound: f64,
-) -> Result<State<Sys::Scalar, N>, Failure<Sys::Scalar>>
-where
-    Sys::Scalar: Real,
-{
-    let t = state.t;
-    if let Some(part) = not_finite(state) {
-        return Err(Failure::StateNotFinite { t, part });
-    }
-    match system.restored(state)? {
-        Some(Restored { state, constraint, violation }) if violation > bound => {
-            // (Conditions that contradict each other by little are violated wherever the state is.)
-            let stays = |left: Restored<_, N>| violation <= CONSISTENT && left.violation > 0.1 * violation;
-            if system.restored(&state)?.is_some_and(stays) {
-                return Ok(state);
-            }
-            Err(Failure::ConstraintViolated { t, constraint, violation })
-        }
-        Some(restored) => Ok(restored.state),
-        None => Ok(*state),
-    }
 }
 
 /// A step beside those of a run, and what the next one after it begins with.

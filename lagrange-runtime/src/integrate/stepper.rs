@@ -445,6 +445,7 @@ where
         }
         let behind = if self.goes_back()? { t > now } else { t < now };
         if coincide(t, now, self.control.scale()) {
+            self.engine.without_impulse().map_err(|failure| self.recovered(failure))?;
             self.engine.state.t = t;
             self.asked = (t != now).then_some([now, t]);
             Ok(true)

@@ -277,6 +277,7 @@ where
     let side = |at| evaluated(system, at, &before, switch)[0][0];
     let through = side(&from) * side(&to) > 0.0;
     let short = approach.is_near()
+        && switch >= Sys::IMPULSES
         && rejected.is_none()
         && !through
         && after.iter().all(|after| effect(*after) <= SHARE);
@@ -465,6 +466,46 @@ where
     Sys::Scalar: Real,
 {
     changed(system, from, to, |a, b| a * b < 0.0).is_some()
+}
+
+/// Did a step cross a switch at which an impulse acts?
+#[cold]
+pub(super) fn needs_impulse<Sys: System<N>, const N: usize>(
+    system: &Sys,
+    from: &State<Sys::Scalar, N>,
+    to: &State<Sys::Scalar, N>,
+) -> bool
+where
+    Sys::Scalar: Real,
+{
+    let crosses = |a: f64, b: f64| a < 0.0 && b >= 0.0 || a > 0.0 && b <= 0.0;
+    changed(system, from, to, crosses).is_some_and(|switch| switch < Sys::IMPULSES)
+}
+
+/// The start of a motion that begins within rounding of a switch at which an impulse acts, moved to the side that its
+/// velocities lead to: it goes on with what the impulse left.
+#[cold]
+pub(super) fn beyond_impulses<Sys: System<N>, const N: usize>(
+    system: &Sys,
+    start: &State<Sys::Scalar, N>,
+    backward: bool,
+) -> State<Sys::Scalar, N>
+where
+    Sys::Scalar: Real,
+{
+    let rest = SVector::repeat(Scalar::zero());
+    (0..Sys::IMPULSES).fold(*start, |at, switch| {
+        let [g, rate] = evaluated(system, &at, &rest, switch)[0];
+        let rounding = shortest(at.t.to_f64(), 0.0, Sys::Scalar::EPSILON);
+        let time = rounding.max(blurred(system, &at, &rest, switch));
+        let time = if g == 0.0 { time.max(Sys::Scalar::EPSILON) } else { time };
+        let back = if backward { -1.0 } else { 1.0 };
+        if rate == 0.0 || g * rate * back > 0.0 || g.abs() > rate.abs() * time {
+            return at;
+        }
+        let time = back * (time + (g / rate).abs());
+        State { q: at.q + at.qd * Sys::Scalar::from_f64(time), ..at }
+    })
 }
 
 /// The first switching function that vanishes at the end of a step, and not at its start.

@@ -38,7 +38,7 @@ lagrangian! {
 }
 
 // Momenta that jump: of a mass that is picked up, of one on a base that starts to move, of an inertia that changes. That
-// of a slope has a kink.
+// of a slope has a kink. A potential with a step, and one that changes with time.
 lagrangian! {
     pub system PickUp {
         param m1, m2, gap;
@@ -74,6 +74,23 @@ lagrangian! {
         coord x;
         T = 0.5 * m * (1 + abs(x - 0.3)) * dot(x).powi(2);
         V = x;
+    }
+}
+
+lagrangian! {
+    pub system Step {
+        param m, h;
+        coord x, y;
+        T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2));
+        V = if x + y > 20 { h } else { if t > 1 { x } else { 0 } };
+    }
+}
+
+lagrangian! {
+    pub system Whole {
+        param h;
+        coord x;
+        L = 0.5 * dot(x).powi(2) - h * signum(x - 100);
     }
 }
 

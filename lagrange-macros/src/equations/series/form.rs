@@ -16,6 +16,8 @@ pub struct Known<'a> {
     pub solved: &'a Solved,
     pub quantities: &'a Quantities,
     pub facts: &'a Facts,
+    /// Switching functions at which impulses act.
+    pub impulses: &'a [Value],
 }
 
 /// A form of the equations of motion.

@@ -8,8 +8,8 @@
 use crate::equations::common::is_number;
 use crate::graph::{Comparison, Function, Graph, Id, Node, Symbol, Value};
 
-/// Expressions on one side of each switch, and the switching functions, which are nodes that move.
-pub fn sided(g: &mut Graph, roots: &[Value]) -> (Vec<Value>, Vec<Value>) {
+/// Expressions on one side of each switch, and the switching functions, which are nodes that move, with these `others`.
+pub fn sided(g: &mut Graph, roots: &[Value], others: &[Value]) -> (Vec<Value>, Vec<Value>) {
     let mut switches: Vec<Id> = Vec::new();
     // The sign of a value that moves.
     let sign = |g: &mut Graph, switches: &mut Vec<Id>, of: Value| -> Option<Value> {
@@ -22,7 +22,8 @@ pub fn sided(g: &mut Graph, roots: &[Value]) -> (Vec<Value>, Vec<Value>) {
         let side = g.symbol(Symbol::Side(place));
         Some(if of.k.is_negative() { -side } else { side })
     };
-    let roots = g.rewritten(roots, |g, _, node, of| match node {
+    let roots = &[roots, others].concat();
+    let mut roots = g.rewritten(roots, |g, _, node, of| match node {
         Node::Call(Function::abs, x, _) => {
             let x = of(*x);
             let sign = sign(g, &mut switches, x)?;
@@ -65,6 +66,9 @@ pub fn sided(g: &mut Graph, roots: &[Value]) -> (Vec<Value>, Vec<Value>) {
         }
         _ => None,
     });
+    for other in roots.drain(roots.len() - others.len()..) {
+        switches.extend(other.node.filter(|id| !switches.contains(id)));
+    }
     (roots, switches.into_iter().map(Value::from).collect())
 }
 
@@ -114,7 +118,7 @@ mod tests {
         let sum = g.add(abs, less);
         let sum = g.add(sum, jump);
         assert_eq!(switching(&mut g, &[sum]), [x]);
-        let (sided, switches) = sided(&mut g, &[sum]);
+        let (sided, switches) = sided(&mut g, &[sum], &[]);
         assert_eq!(switches, [x]);
         for (x, side, expected) in
             [(3.0, 1.0, 3.0 + 1.0 - 1.0), (-3.0, -1.0, 3.0 - 3.0 + 1.0), (-0.5, 1.0, -0.5)]
@@ -134,7 +138,7 @@ mod tests {
         for (of, simple) in [(cube.scaled((-2).into()), x), (square, square), (product, xy)] {
             let jump = g.call(Function::signum, of);
             assert_eq!(switching(&mut g, &[jump]), [simple]);
-            assert_eq!(sided(&mut g, &[jump]).1, [simple]);
+            assert_eq!(sided(&mut g, &[jump], &[]).1, [simple]);
         }
     }
 }

@@ -11,7 +11,7 @@ use crate::failure::Failure;
 use crate::integrate::engine::{Engine, restart_shorter, restore, tolerated};
 use crate::integrate::integrate;
 use crate::integrate::rules;
-use crate::integrate::switches::{Approach, Interpolated, Passage};
+use crate::integrate::switches::{Approach, Interpolated, Passage, needs_impulse};
 use crate::lanes::{
     LaneController, Lanes, Lanewise, Observer, Policy, Processor, Rescale, SingleLane, Work, disordered,
 };
@@ -624,6 +624,17 @@ where
                     };
                     let end = self.watch.within(watched, &job.system, &inside).transpose();
                     ends.extend(end.map(|end| (i, end)));
+                }
+            }
+        }
+        if const { <Packed<Sys, P, A, N> as System<N>>::IMPULSES > 0 } {
+            for i in 0..LANES {
+                let Some(Occupant { job, .. }) = &pack.occupants[i] else { continue };
+                let ended = ends.iter().any(|(of, _)| *of == i);
+                let (from, to) = (pack.state.lane(i), step.to.lane(i));
+                let system = job.system.over(SingleLane::<P, A>::new);
+                if accepted[i] && !ended && needs_impulse(&system, &from, &to) {
+                    ends.push((i, Err(Failure::UnknownImpulse { t: to.t.value() })));
                 }
             }
         }

@@ -1,0 +1,225 @@
+//! Conditions on which an impulse acts: momenta and potentials that jump. Runs across them fail, whatever the method,
+//! and go on where the impulse was given at an event.
+#![allow(deprecated)]
+
+use lagrange_runtime::ensemble::{Collect, Ensemble, Table};
+use lagrange_runtime::integrate::Failed;
+use lagrange_runtime::lanes::{FinalState, Fused};
+use lagrange_runtime::prelude::*;
+
+lagrangian! {
+    /// A mass on its way that picks up another one.
+    system PickUp {
+        param m1 = 1.0, m2 = 3.0, gap = 1.0;
+        coord x;
+        let y = max(x - gap, 0);
+        T = 0.5 * m1 * dot(x).powi(2) + 0.5 * m2 * dot(y).powi(2);
+        V = 0;
+        event met: x - gap;
+    }
+}
+
+lagrangian! {
+    /// A step of the potential in the plane.
+    system Edge {
+        param m = 1.0, high = -1.0, place = 1.0, width = 1e9;
+        coord x, y;
+        T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2));
+        V = if (x - place) * (place + width - x) > 0 { high } else { 0 };
+        event met: x - place;
+    }
+}
+
+lagrangian! {
+    /// A base that starts to move at once.
+    system Base {
+        param m = 1.0, k = 4.0;
+        coord x;
+        coord p = 0.5 * max(t - 1, 0);
+        T = 0.5 * m * (dot(x) + dot(p)).powi(2);
+        V = 0.5 * k * x.powi(2);
+    }
+}
+
+lagrangian! {
+    /// A spring that sets in with time: no impulse acts.
+    system SetsIn {
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = if t > 1 { 0.5 * x.powi(2) } else { 0 };
+    }
+}
+
+lagrangian! {
+    /// Springs at a floor and beyond a gap, and dry friction: forces jump or have kinks, momenta do not.
+    system Touches {
+        param k = 100.0, c = 0.1;
+        coord x;
+        let depth = max(-x, 0);
+        T = 0.5 * dot(x).powi(2);
+        V = 9.81 * x + 0.5 * k * depth.powi(2) + if x > 2 { k * (x - 2) } else { 0 };
+        Q[x] = -c * signum(dot(x));
+    }
+}
+
+/// Calls a macro with methods of all families.
+macro_rules! with_methods {
+    ($case:ident) => {
+        $case!(Dop853, PiController::tolerance(1e-9));
+        $case!(DormandPrince5, PiController::tolerance(1e-6));
+        $case!(Radau5, PiController::tolerance(1e-6));
+        $case!(Rodas5P, PiController::tolerance(1e-6));
+        $case!(Taylor, TaylorController::tolerance(1e-12));
+        $case!(Rk4, FixedStep::new(0.07));
+        $case!(Gauss4, FixedStep::new(0.07));
+        $case!(Rk4, FixedStep::new(0.125));
+    };
+}
+
+/// The time at which the run ended for an impulse that it does not know.
+fn impulse<const N: usize>(end: Result<State<f64, N>, Failed<f64, N>>) -> f64 {
+    match end {
+        Err(Failed { failure: Failure::UnknownImpulse { t }, .. }) => t,
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn switches_with_impulses_are_known() {
+    let counts = [
+        <PickUp as System<1>>::IMPULSES,
+        <Edge as System<2>>::IMPULSES,
+        <Base as System<1>>::IMPULSES,
+        <SetsIn as System<1>>::IMPULSES,
+        <Touches as System<1>>::IMPULSES,
+    ];
+    assert_eq!(counts, [1, 1, 1, 0, 0]);
+}
+
+#[test]
+fn runs_across_an_impulse_fail() {
+    macro_rules! fails {
+        ($method:expr, $control:expr) => {
+            let (start, edge) = (State::new(0.0, [0.0], [1.0]), State::new(0.0, [0.0, 0.0], [1.0, 0.5]));
+            let ends = [
+                impulse(integrate(&PickUp::default(), $method, $control, start).until(3.0).final_state()),
+                impulse(integrate(&Edge::default(), $method, $control, edge).until(3.0).final_state()),
+                impulse(integrate(&Base::default(), $method, $control, start).until(3.0).final_state()),
+                // Within the last step.
+                impulse(integrate(&Edge::default(), $method, $control, edge).until(1.01).final_state()),
+            ];
+            for t in ends {
+                assert!((t - 1.0).abs() <= 0.13, "{}: {t}", stringify!($method));
+            }
+            let before = integrate(&PickUp::default(), $method, $control, start).until(0.99).final_state();
+            assert!((before.unwrap().q[0] - 0.99).abs() < 1e-12);
+        };
+    }
+    with_methods!(fails);
+}
+
+/// A potential step narrower than the steps of the motion.
+#[test]
+fn a_narrow_step_is_met() {
+    macro_rules! fails {
+        ($method:expr, $control:expr) => {
+            let narrow = Edge { width: 0.02, ..Edge::default() };
+            let start = State::new(0.0, [0.0, 0.0], [1.0, 0.5]);
+            let t = impulse(integrate(&narrow, $method, $control, start).until(3.0).final_state());
+            assert!((t - 1.0).abs() < 1e-6, "{}: {t}", stringify!($method));
+        };
+    }
+    fails!(Dop853, PiController::tolerance(1e-9));
+    fails!(Radau5, PiController::tolerance(1e-6));
+    fails!(Taylor, TaylorController::tolerance(1e-12));
+}
+
+#[test]
+fn motions_go_on_after_the_impulse_at_an_event() {
+    // A plastic impact, and the corner of a stationary action.
+    let masses = |at: &State<f64, 1>| State { qd: at.qd * 0.25, ..*at };
+    let edge = |at: &State<f64, 2>| {
+        let normal = (at.qd[0].powi(2) + 2.0).sqrt();
+        State { qd: [normal, at.qd[1]].into(), ..*at }
+    };
+    macro_rules! goes_on {
+        ($method:expr, $control:expr) => {
+            let name = stringify!($method);
+            let system = PickUp::default();
+            let start = State::new(0.0, [0.0], [1.0]);
+            let end = integrate(&system, $method, $control, start).until(5.0).events(PickUp::MET.terminal());
+            let met = end.last().unwrap().unwrap().state;
+            let after = integrate(&system, $method, $control, masses(&met)).until(5.0).final_state().unwrap();
+            assert!((after.q[0] - 2.0).abs() < 1e-9, "{name}: {after:?}");
+
+            let start = State::new(0.0, [0.0, 0.0], [1.0, 0.5]);
+            let mut stepper = Stepper::new(Edge::default(), $method, $control, start);
+            while let Some(event) = stepper.until(3.0).events(Edge::MET).next() {
+                stepper.set_state(edge(&event.unwrap().state)).unwrap();
+            }
+            let [x, y] = stepper.state().q.into();
+            let right = [1.0 + 2.0 * 3.0_f64.sqrt(), 1.5];
+            assert!((x - right[0]).abs() < 1e-9 && (y - right[1]).abs() < 1e-9, "{name}: {x} {y}");
+        };
+    }
+    with_methods!(goes_on);
+}
+
+/// Energy from an instant on that acts on nothing before it.
+#[test]
+fn potentials_that_set_in_with_time_have_none() {
+    macro_rules! right {
+        ($method:expr, $control:expr, $within:expr) => {
+            let start = State::new(0.0, [0.5], [1.0]);
+            let end =
+                integrate(&SetsIn::default(), $method, $control, start).until(3.0).final_state().unwrap();
+            let right = 1.5 * 2.0_f64.cos() + 2.0_f64.sin();
+            assert!((end.q[0] - right).abs() < $within, "{}: {end:?}", stringify!($method));
+        };
+    }
+    right!(Dop853, PiController::tolerance(1e-11), 1e-9);
+    right!(Taylor, TaylorController::tolerance(1e-14), 1e-12);
+}
+
+#[test]
+fn a_stepper_fails_in_the_call_that_crosses() {
+    let start = State::new(0.0, [0.0], [1.0]);
+    let mut pick_up = Stepper::new(PickUp::default(), Rk4, FixedStep::new(0.3), start);
+    pick_up.advance_to(0.9).unwrap();
+    assert!(matches!(pick_up.advance_to(1.1), Err(Failure::UnknownImpulse { .. })));
+    let start = State::new(0.0, [0.0], [1.0]);
+    let mut pick_up = Stepper::new(PickUp::default(), Dop853, PiController::tolerance(1e-9), start);
+    let failed = pick_up.until(2.0).last().unwrap().err().unwrap();
+    let text = failed.to_string();
+    assert!(text.contains("an impulse acts"), "{text}");
+}
+
+#[test]
+fn lanes_fail_as_alone() {
+    let draw = |[number]: [u64; 1]| (PickUp::default(), State::new(0.0, [0.0], [0.1 + 0.2 * number as f64]));
+    let samples = Table::new((0..11).map(|number: u64| [number]));
+    macro_rules! same {
+        ($method:expr, $control:expr) => {
+            let lanes =
+                || Ensemble::new(samples.clone(), 11, draw).integrate($method, $control, 1.0).in_lanes(Fused);
+            let end = FinalState(|_: &PickUp, end: &State<f64, 1>| end.q[0].to_bits());
+            let outcome = lanes().observe(&end, Collect).unwrap();
+            let (mut good, mut failed) = (outcome.statistic.rows.iter(), outcome.failures.kept.iter());
+            for index in 0..11 {
+                match lanes().replay(index).unwrap().run().final_state() {
+                    Ok(end) => assert_eq!(good.next(), Some(&(index, end.q[0].value().to_bits()))),
+                    Err(end) => {
+                        let found = failed.next().unwrap();
+                        assert!(matches!(end.failure, Failure::UnknownImpulse { .. }), "{end:?}");
+                        let last = [found.last.unwrap().t, found.last.unwrap().q[0]];
+                        assert_eq!(last, [end.last.t.value(), end.last.q[0].value()], "{index}");
+                    }
+                }
+            }
+            assert_eq!((outcome.failures.count, good.next()), (6, None));
+        };
+    }
+    same!(Dop853, PiController::tolerance(1e-9));
+    same!(Rk4, FixedStep::new(0.07));
+    same!(Taylor, TaylorController::tolerance(1e-12));
+}
