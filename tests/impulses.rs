@@ -3,9 +3,11 @@
 #![allow(deprecated)]
 
 use lagrange_runtime::ensemble::{Collect, Ensemble, Table};
+use lagrange_runtime::failure::Requirement;
 use lagrange_runtime::integrate::Failed;
 use lagrange_runtime::lanes::{FinalState, Fused};
 use lagrange_runtime::prelude::*;
+use lagrange_runtime::traits::InvalidTable;
 
 lagrangian! {
     /// A mass on its way that picks up another one.
@@ -222,4 +224,63 @@ fn lanes_fail_as_alone() {
     same!(Dop853, PiController::tolerance(1e-9));
     same!(Rk4, FixedStep::new(0.07));
     same!(Taylor, TaylorController::tolerance(1e-12));
+}
+
+lagrangian! {
+    /// A bead on a curve that was measured.
+    system Follower {
+        coord x;
+        extern profile: Curve(x);
+        T = 0.5 * (dot(x).powi(2) + dot(profile(x)).powi(2));
+        V = 9.81 * profile(x);
+    }
+}
+
+lagrangian! {
+    /// A mass on a base that moves as was measured.
+    system Shaken {
+        coord x;
+        extern path: Curve(t);
+        coord p = path(t);
+        T = 0.5 * (dot(x) + dot(p)).powi(2);
+        V = 0.5 * x.powi(2);
+    }
+}
+
+/// A momentum that depends on the slope of a table of chords jumps at its knots.
+#[test]
+fn tables_of_chords_in_momenta_are_refused() {
+    let (knots, heights) = ([-1.0, 0.0, 1.0, 2.0], [1.0, 0.0, 0.3, 0.3]);
+    let table = |make: fn(&[f64], &[f64], Beyond) -> Result<Curve, InvalidTable>, beyond| {
+        make(&knots, &heights, beyond).unwrap()
+    };
+    let start = State::new(0.0, [0.5], [0.2]);
+    let failure = |curve: Curve| {
+        let (follower, shaken) = (Follower::new(curve.clone()), Shaken::new(curve));
+        macro_rules! failure {
+            ($method:expr, $control:expr) => {{
+                let first = integrate(&follower, $method, $control, start).until(0.01).final_state().err();
+                let second = integrate(&shaken, $method, $control, start).until(0.01).final_state().err();
+                [first.map(|end| end.failure), second.map(|end| end.failure)]
+            }};
+        }
+        let ends = failure!(Dop853, PiController::tolerance(1e-9));
+        assert_eq!(ends, failure!(Rk4, FixedStep::new(1e-3)));
+        ends
+    };
+    let refused = |chosen| Some(Failure::Unsuitable { chosen, requirement: Requirement::ContinuousSlope });
+    let both = [refused("profile"), refused("path")];
+    assert_eq!(failure(table(Curve::linear, Beyond::Line)), both);
+    assert_eq!(failure(table(Curve::cubic, Beyond::Held)), both);
+    // The last slope is 0, the first one not.
+    assert_eq!(failure(table(Curve::monotone, Beyond::Held)), both);
+    for smooth in [Curve::cubic, Curve::monotone] {
+        for beyond in [Beyond::Line, Beyond::Refused] {
+            assert_eq!(failure(table(smooth, beyond)), [None, None]);
+        }
+    }
+    // A straight line, and a rise between two dwells.
+    let line = Curve::linear(&[-1.0, 0.0, 3.0], &[-0.1, 0.0, 0.3], Beyond::Line).unwrap();
+    let rise = Curve::monotone(&[-1.0, 0.0, 1.0, 2.0], &[0.0, 0.0, 1.0, 1.0], Beyond::Held).unwrap();
+    assert_eq!([failure(line), failure(rise)], [[None, None]; 2]);
 }

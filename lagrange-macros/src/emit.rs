@@ -264,6 +264,7 @@ impl Emitter<'_> {
         let accel = self.signature(outputs::ident("accel"), STATE, Shape::Vector(Size::Coordinates));
         let other = other_scalar(name);
         let (restored, prepare, switches) = (self.restored(), self.prepare(), self.switches());
+        let kinked = self.kinked();
         let attitudes = self.attitudes();
         let [resolved, explained] = self.why_steps_fail();
         let (scaled, lane) = self.over();
@@ -290,6 +291,7 @@ impl Emitter<'_> {
                 }
                 #restored
                 #switches
+                #kinked
                 #inline
                 fn resolved(
                     &self,
@@ -343,6 +345,29 @@ impl Emitter<'_> {
         (quote!(#whole.map(f)), Some(lane))
     }
 
+    /// Functions with kinks on whose slopes momenta depend, if there may be any.
+    fn kinked(&self) -> Option<TokenStream> {
+        let Model { runtime, externals, .. } = &self.d.model;
+        let slopes = self.d.equations.impulses.slopes.iter().map(|f| {
+            let External { name, arity, .. } = &externals[*f];
+            let text = name.to_string();
+            quote! {
+                if #runtime::ExternFunction::<#arity>::has_kinks(&self.#name) {
+                    return ::core::option::Option::Some(#text);
+                }
+            }
+        });
+        let slopes: TokenStream = slopes.collect();
+        (!slopes.is_empty()).then(|| {
+            quote! {
+                fn kinked(&self) -> ::core::option::Option<&'static str> {
+                    #slopes
+                    ::core::option::Option::None
+                }
+            }
+        })
+    }
+
     /// Switching functions of the accelerations, if there are any.
     fn switches(&self) -> Option<TokenStream> {
         let (runtime, n, vector) = (&self.d.model.runtime, self.n(), self.vector());
@@ -354,7 +379,7 @@ impl Emitter<'_> {
         let (statements, outputs) = self.statements(&switches.concat());
         let values = outputs.columns(0..2 * count, 2);
         let places: Vec<usize> = (0..count).collect();
-        let impulses = self.d.equations.responses.impulses;
+        let impulses = self.d.equations.impulses.switches.len();
         let impulses = (impulses > 0).then(|| quote!(const IMPULSES: usize = #impulses;));
         Some(quote! {
             #impulses

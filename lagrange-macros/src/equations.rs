@@ -36,7 +36,7 @@ use crate::graph::Graph;
 use crate::model::Model;
 use events::{EventFunction, events};
 use formed::{Formed, formed};
-use impulses::impulses;
+use impulses::{Impulses, impulses};
 use quantities::{Quantities, quantities};
 use responses::{Responses, responses};
 use scaling::{Scalings, scalings};
@@ -54,6 +54,7 @@ pub struct Derived {
 
 pub struct Equations {
     pub formed: Formed,
+    pub impulses: Impulses,
     pub solved: Solved,
     pub quantities: Quantities,
     pub facts: Facts,
@@ -80,22 +81,33 @@ pub fn equations(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Eq
     let formed = formed(g, model, errors)?;
     let impulses = impulses(g, model, &formed, errors);
     // (The size of an impulse is in no equation of motion.)
-    if impulses.is_empty() {
+    if impulses.switches.is_empty() {
         gauge::gauge(g, model, &formed, errors);
     }
     let solved = solved(g, model, &formed, errors)?;
     let quantities = quantities(g, model, &formed, &solved);
     let facts = facts(g, model, &formed, &solved, &quantities);
-    let responses = responses(g, model, &formed, &solved, &quantities, &facts, &impulses)?;
+    let responses = responses(g, model, &formed, &solved, &quantities, &facts, &impulses.switches)?;
     let series = if formed.rows.redundancy.is_some() {
         None
     } else {
-        series(g, model, &formed, &solved, &quantities, &facts, &impulses)
+        series(g, model, &formed, &solved, &quantities, &facts, &impulses.switches)
     };
     let events = events(g, model, &formed, &solved);
     let symmetries = symmetries(g, model, &formed);
     let scalings = scalings(g, model, &formed);
-    Some(Equations { formed, solved, quantities, facts, responses, series, events, symmetries, scalings })
+    Some(Equations {
+        formed,
+        impulses,
+        solved,
+        quantities,
+        facts,
+        responses,
+        series,
+        events,
+        symmetries,
+        scalings,
+    })
 }
 
 /// The equations of a model beside it.

@@ -51,6 +51,13 @@ pub trait ExternFunction<const A: usize>: Clone + Debug + PartialEq {
     /// The value at x.
     fn value<S: Scalar>(&self, x: [S; A]) -> S;
 
+    /// Does a slope jump somewhere, as that of chords does at their knots? A momentum that depends on the slope jumps
+    /// there, too, and runs of the system are [`Unsuitable`](crate::Failure::Unsuitable): an impulse acts there, which
+    /// the equations of motion do not have.
+    fn has_kinks(&self) -> bool {
+        false
+    }
+
     /// The values in lanes with a function each, `of_lane(0)` to `of_lane(count − 1)`. A type that looks up the data
     /// of each lane does so in one evaluation; without that it takes one for each lane.
     #[inline]

@@ -104,6 +104,8 @@ pub enum Requirement {
     /// No [switches](crate::System::switches), where derivatives of a motion are carried along by steps that do not
     /// end there.
     Smooth,
+    /// A slope without jumps, of a function with data on whose slope a momentum depends.
+    ContinuousSlope,
     /// Steps of positive size, where a sampled controller ([`Stepper::every`](crate::Stepper::every)) acts on the way.
     Forward,
 }
@@ -112,6 +114,11 @@ pub enum Requirement {
 impl fmt::Display for Requirement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self {
+            Requirement::ContinuousSlope => {
+                "a continuous slope, since a momentum depends on it: where the slope jumps, as at the knots of chords or at \
+                 an end that is `Held`, an impulse acts, which the equations of motion do not have; try `Curve::cubic` or \
+                 `Curve::monotone`, with `Beyond::Line` or `Beyond::Refused`"
+            }
             Requirement::Smooth => {
                 "forces without choices (`if`, `abs`, …) where derivatives of a motion are wanted: steps of one size do not end where forces \
                  jump; try `PiController::tolerance(…)`, or `Taylor`"
@@ -297,7 +304,7 @@ pub enum Failure<S = f64> {
     },
     /// A controller or method does not fit a computation in a way that no type shows.
     Unsuitable {
-        /// Name of the controller or method.
+        /// Name of the controller, method or function with data.
         chosen: &'static str,
         /// The property that is missing.
         requirement: Requirement,
@@ -579,9 +586,9 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
             ),
             Failure::UnknownImpulse { t } => write!(
                 f,
-                "by t = {t:?} the motion crossed a condition across which a momentum or the potential energy jumps: an impulse acts \
-                 there, which the energies do not say; end the run there by an event, go on from the state after the impulse \
-                 (`jump` gives it), or smooth the jump"
+                "by t = {t:?} the motion crossed a condition across which a momentum or the potential energy jumps: an impulse \
+                 acts there, which the energies do not say; give the velocities after it at an event that ends the run \
+                 there (`jump` helps), or smooth the jump"
             ),
             Failure::NoDerivative { t, coordinate } => write!(
                 f,

@@ -212,6 +212,12 @@ pub trait System<const N: usize> {
     /// or L does along a coordinate. Runs end there in [`Failure::UnknownImpulse`].
     const IMPULSES: usize = 0;
 
+    /// The name of a function with data that has kinks, and on whose slope a momentum ∂L/∂q̇ depends. Runs are refused.
+    #[inline(always)]
+    fn kinked(&self) -> Option<&'static str> {
+        None
+    }
+
     /// Calls `each` with the index of each switching function g(q, q̇, t) of the accelerations, its value and its
     /// rate dg/dt at a state with these accelerations. The accelerations are smooth where no g vanishes: a choice
     /// `a < b` has g = a − b, `x.abs()` and `x.signum()` have g = x. Adaptive runs end their steps where a g changes
@@ -609,6 +615,11 @@ macro_rules! pass_on_run {
         }
         const SWITCHES: usize = <$system as $crate::System<N>>::SWITCHES;
         const IMPULSES: usize = <$system as $crate::System<N>>::IMPULSES;
+
+        #[inline(always)]
+        fn kinked(&self) -> Option<&'static str> {
+            self.$field.kinked()
+        }
 
         #[cfg_attr(not(debug_assertions), inline(always))]
         fn switches(

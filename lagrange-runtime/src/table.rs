@@ -74,6 +74,9 @@ debug_is_text! { [] InvalidTable }
 
 impl core::error::Error for InvalidTable {}
 
+/// Part of the largest slope by which slopes before and after a knot differ by rounding.
+const SAME_SLOPE: f64 = 1e-9;
+
 /// Fails unless these can be the knots of an axis.
 fn check_knots(x: &[f64]) -> Result<(), InvalidTable> {
     if x.len() < 2 {
@@ -253,6 +256,18 @@ impl ExternFunction<1> for Curve {
         polynomial(piece, x - knot)
     }
 
+    fn has_kinks(&self) -> bool {
+        let (pieces, x) = (&self.0.pieces, &self.0.data.x);
+        // The slopes of the pieces before and after a knot. (Those of a refused piece are NaN.)
+        let slopes = |i: usize| {
+            let [_, b, c, d] = pieces[i];
+            let h = if i == 0 { 0.0 } else { x[i] - x[i - 1] };
+            [b + h * (2.0 * c + 3.0 * h * d), pieces[i + 1][1]]
+        };
+        let largest = pieces.iter().fold(0.0, |largest: f64, piece| largest.max(piece[1].abs()));
+        (0..x.len()).map(slopes).any(|[before, after]| (after - before).abs() > SAME_SLOPE * largest)
+    }
+
     #[inline]
     fn side_by_side<'a, S: Scalar>(_: usize, of_lane: impl Fn(usize) -> &'a Self, [x]: [S; 1]) -> S {
         let [knot, piece @ ..] = S::lookup([x], |lane, [x]| of_lane(lane).piece(x));
@@ -347,6 +362,11 @@ impl ExternFunction<2> for Surface {
     #[inline]
     fn value<S: Scalar>(&self, x: [S; 2]) -> S {
         bicubic(S::lookup(x, |_, x| self.cell(x)), x)
+    }
+
+    fn has_kinks(&self) -> bool {
+        let SurfaceData { rule, beyond, x, y, .. } = &self.0.data;
+        *beyond == Beyond::Held || *rule == Rule::Linear && (x.len() > 2 || y.len() > 2)
     }
 
     #[inline]

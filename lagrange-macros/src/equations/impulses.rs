@@ -9,13 +9,21 @@ use super::check::{TRIALS, sample};
 use super::formed::Formed;
 use super::series::switches::switching;
 use crate::diagnostics::Errors;
-use crate::graph::{Graph, Symbol, Value};
+use crate::graph::{Graph, Node, Symbol, Value};
 use crate::model::Model;
 use proc_macro2::Ident;
 
 /// Coordinates and times among which the place of a switch is looked for.
 const RANGE: f64 = 4.0;
 const PARTS: u32 = 64;
+
+/// Places at which impulses act.
+pub struct Impulses {
+    /// The switching functions that vanish there.
+    pub switches: Vec<Value>,
+    /// Functions with data, by their places, on whose slopes momenta depend: there, where these have kinks.
+    pub slopes: Vec<usize>,
+}
 
 /// A jump, by which an impulse acts.
 enum Jump {
@@ -25,8 +33,8 @@ enum Jump {
     Lagrangian,
 }
 
-/// The switching functions at which impulses act. Found by numbers, and told in a warning.
-pub fn impulses(g: &mut Graph, model: &Model, formed: &Formed, errors: &mut Errors) -> Vec<Value> {
+/// The places at which impulses act. Switches are found by numbers, and told in a warning.
+pub fn impulses(g: &mut Graph, model: &Model, formed: &Formed, errors: &mut Errors) -> Impulses {
     let mut values = formed.momenta[..model.mechanical()].to_vec();
     values.push(model.lagrangian);
     let found = switching(g, &values).into_iter().filter_map(|switch| {
@@ -54,7 +62,24 @@ pub fn impulses(g: &mut Graph, model: &Model, formed: &Formed, errors: &mut Erro
             errors.warn(keyword.span(), "an_energy_that_jumps", message);
         }
     }
-    found.into_iter().map(|(switch, _)| switch).collect()
+    let switches = found.into_iter().map(|(switch, _)| switch).collect();
+    Impulses { switches, slopes: slopes(g, model, &values[..model.mechanical()]) }
+}
+
+/// Functions with data on whose slopes momenta depend, at arguments that move.
+fn slopes(g: &Graph, model: &Model, momenta: &[Value]) -> Vec<usize> {
+    let moves = |s: &Symbol| matches!(s, Symbol::Coordinate(_) | Symbol::Time);
+    let slope = |id| match g.node(id) {
+        Node::Extern(f, orders, arguments) => {
+            let is_slope = model.externals[*f].data.is_some() && orders.iter().any(|order| *order > 0);
+            (is_slope && g.symbols(arguments).iter().any(moves)).then_some(*f)
+        }
+        _ => None,
+    };
+    let mut slopes: Vec<usize> = g.live(momenta).into_iter().filter_map(slope).collect();
+    slopes.sort_unstable();
+    slopes.dedup();
+    slopes
 }
 
 /// The first of the momenta, and then L, that jumps where this switching function vanishes. A jump is one that is as

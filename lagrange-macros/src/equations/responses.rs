@@ -25,10 +25,9 @@ pub struct Responses {
     pub jacobian: Option<Vec<Vec<Value>>>,
     /// ∂(b − f)/∂(q, q̇), by columns, from which the equations of small motions are made.
     pub linearization: Option<Vec<Vec<Value>>>,
-    /// Switching functions of the accelerations, each with its rate in terms of q, q̇, t and given accelerations.
+    /// Switching functions at which impulses act, then those of the accelerations, each with its rate in terms of q, q̇, t
+    /// and given accelerations.
     pub switches: Vec<[Value; 2]>,
-    /// The first so many of them are those at which impulses act.
-    pub impulses: usize,
     /// ∂q̈/∂u, by columns.
     pub by_inputs: Option<Vec<Vec<Value>>>,
 }
@@ -72,8 +71,7 @@ pub fn responses(
     let switches = switches(g, impulses, &equations, solved.accel.len());
     let inputs: Vec<Symbol> = model.inputs().map(Symbol::Parameter).collect();
     let by_inputs = if inputs.is_empty() { None } else { self::jacobian(g, formed, solved, &inputs) };
-    let impulses = impulses.len();
-    Some(Responses { response, legendre, jacobian, linearization, switches, impulses, by_inputs })
+    Some(Responses { response, legendre, jacobian, linearization, switches, by_inputs })
 }
 
 /// The bordered system for any right-hand side.

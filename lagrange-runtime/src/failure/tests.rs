@@ -412,6 +412,8 @@ fn every_text_ends_in_a_hint() {
         Failure::EventsUnresolved { t: 0.0, h: 0.0 },
         Failure::Unsuitable { chosen: "FixedStep", requirement: Requirement::Smooth },
         Failure::Unsuitable { chosen: "every", requirement: Requirement::Forward },
+        Failure::Unsuitable { chosen: "profile", requirement: Requirement::ContinuousSlope },
+        Failure::UnknownImpulse { t: 1.0 },
         Failure::BadPeriod { t: 0.0, period: 0.0 },
     ];
     for failure in all {

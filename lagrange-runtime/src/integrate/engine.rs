@@ -8,7 +8,7 @@ use crate::attitude::steps::may_change;
 use crate::constraint::NEARLY_DEPENDENT;
 use crate::controller::{Controller, FirstStep, Verdict};
 use crate::failed::{Failed, Statistics};
-use crate::failure::Failure;
+use crate::failure::{Failure, Requirement};
 use crate::method::{Across, Interpolant, Method, Step};
 use crate::scalar::{Real, Scalar, SimdScalar};
 use crate::state::{Restored, State, Tangent};
@@ -244,6 +244,9 @@ where
         self.controller.check()?;
         if let Some(end) = self.end.filter(|end| !end.to_f64().is_finite()) {
             return Err(Failure::BadEnd { end: Some(end) });
+        }
+        if let Some(chosen) = system.kinked() {
+            return Err(Failure::Unsuitable { chosen, requirement: Requirement::ContinuousSlope });
         }
         if Self::DEPENDENT && self.memory.is_none() && self.status != Status::Driven {
             self.begin_across(system);

@@ -1,7 +1,7 @@
 //! States with which a motion can begin.
 
 use crate::failure::{Coordinate, Failure, Part};
-use crate::scalar::{Real, Scalar};
+use crate::scalar::Real;
 use crate::state::{Restored, State};
 use crate::system::System;
 use nalgebra::SVector;
