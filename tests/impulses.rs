@@ -284,3 +284,52 @@ fn tables_of_chords_in_momenta_are_refused() {
     let rise = Curve::monotone(&[-1.0, 0.0, 1.0, 2.0], &[0.0, 0.0, 1.0, 1.0], Beyond::Held).unwrap();
     assert_eq!([failure(line), failure(rise)], [[None, None]; 2]);
 }
+
+lagrangian! {
+    /// A disc in a bowl, on which the potential is lower.
+    system Disc {
+        param r = 1.0, high = 0.3;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = 0.05 * (x * x + y * y) + if x * x + y * y < r * r { -high } else { 0 };
+        event rim: x * x + y * y - r * r;
+    }
+}
+
+/// Dozens of refractions and total reflections at the rim keep the energy and the angular momentum.
+#[test]
+fn refractions_keep_energy_and_angular_momentum() {
+    let disc = Disc::default();
+    let energy = |at: &State<f64, 2>, inside: bool| {
+        let lower = if inside { disc.high } else { 0.0 };
+        0.5 * at.qd.norm_squared() + 0.05 * at.q.norm_squared() - lower
+    };
+    let spin = |at: &State<f64, 2>| at.q[0] * at.qd[1] - at.q[1] * at.qd[0];
+    macro_rules! keeps {
+        ($method:expr, $control:expr) => {
+            for k in 0..2 {
+                let push = 5.0 * f64::from(k);
+                let start = State::new(0.0, [2.0, 0.0], [-1.0 - 0.05 * push, 0.04 * push]);
+                let mut events = integrate(&disc, $method, $control, start).until(50.0).events(Disc::RIM);
+                let (mut met, mut inside) = (0, false);
+                while let Some(event) = events.next() {
+                    let mut at = event.unwrap().state;
+                    let normal = at.q.normalize();
+                    let across = at.qd.dot(&normal);
+                    let gained = if across < 0.0 { 2.0 * disc.high } else { -2.0 * disc.high };
+                    let square = across * across + gained;
+                    let after = if square > 0.0 { square.sqrt().copysign(across) } else { -across };
+                    at.qd += normal * (after - across);
+                    (met, inside) = (met + 1, after < 0.0);
+                    events.restart(at);
+                }
+                let end = events.state();
+                let errors = [energy(end, inside) - energy(&start, false), spin(end) - spin(&start)];
+                assert!(met > 10 && errors.iter().all(|e| e.abs() < 1e-6), "{k}: {met}, {errors:?}");
+            }
+        };
+    }
+    keeps!(Dop853, PiController::tolerance(1e-11));
+    keeps!(Taylor, TaylorController::tolerance(1e-14));
+    keeps!(Gauss4, FixedStep::new(0.01));
+}

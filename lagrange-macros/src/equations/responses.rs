@@ -25,8 +25,8 @@ pub struct Responses {
     pub jacobian: Option<Vec<Vec<Value>>>,
     /// ∂(b − f)/∂(q, q̇), by columns, from which the equations of small motions are made.
     pub linearization: Option<Vec<Vec<Value>>>,
-    /// Switching functions at which impulses act, then those of the accelerations, each with its rate in terms of q, q̇, t
-    /// and given accelerations.
+    /// Switching functions at which impulses act, then those of the accelerations, each with its rate in terms of q,
+    /// q̇, t and given accelerations.
     pub switches: Vec<[Value; 2]>,
     /// ∂q̈/∂u, by columns.
     pub by_inputs: Option<Vec<Vec<Value>>>,
