@@ -1,5 +1,8 @@
 //! Compiled code against the interpreter of the graph: two semantics of one program, at reproducible states.
 
+// Potentials of these systems jump, which makes no difference at a state.
+#![allow(deprecated)]
+
 // Part of the programs that random systems are compiled to, which are seldom made: here it is compiled always.
 #[allow(dead_code, unused_imports, clippy::all)]
 #[path = "../lagrange-macros/src/differential/harness.rs"]

@@ -18,7 +18,8 @@ pub enum Stability {
         /// Shape of that displacement in the coordinates of the small motions, its largest entry 1.
         direction: DVector<f64>,
     },
-    /// It leaves along `direction` without oscillation (divergence).
+    /// It leaves along `direction`: without oscillation (divergence) or, where gyroscopic forces and damping act, in
+    /// spirals that grow.
     Unstable {
         /// Shape of the displacement whose energy falls fastest, or which grows fastest, in the coordinates of the
         /// small motions, its largest entry 1.

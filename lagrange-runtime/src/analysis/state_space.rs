@@ -156,8 +156,10 @@ impl StateSpace {
     /// The model with these outputs: functions of the system and its state, over dual numbers.
     ///
     /// # Errors
-    /// [`AnalysisError::SwitchedOutput`] where an output or its derivatives jump along a state or an input, as
-    /// `x.abs()` does at 0.
+    /// - [`AnalysisError::SwitchedOutput`] where an output or its derivatives jump along a state or an input, as
+    ///   `x.abs()` does at 0;
+    /// - [`AnalysisError::NotApplicable`] where one depends on the time integral of a state of first order, as on a
+    ///   charge: the model has no state for it.
     pub fn observed<Sys, const N: usize, const K: usize, const P: usize>(
         self,
         system: &Sys,
@@ -200,6 +202,14 @@ impl StateSpace {
                 if jumps(beside) {
                     return Err(AnalysisError::SwitchedOutput { output });
                 }
+            }
+        }
+        for i in N - Sys::FIRST_ORDER..N {
+            let (mut at, over) = (at.map(Dual::constant), system.over(Dual::constant));
+            at.q[i].slope = 1.0;
+            if outputs(&over, &at).iter().any(|y| y.slope != 0.0) {
+                let needs = "outputs without the time integral of a state: a state of its own has it, `state charge; rate(charge) = i;`";
+                return Err(AnalysisError::NotApplicable { needs });
             }
         }
         let slopes: Vec<[f64; P]> = (0..n + K).map(|j| along(j, 0.0).map(|y| y.slope)).collect();
