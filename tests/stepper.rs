@@ -915,3 +915,38 @@ lagrangian! {
         event gate: x - 1.0, terminal;
     }
 }
+
+lagrangian! {
+    /// A cart whose command is watched.
+    system Commanded {
+        input u: [2];
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0;
+        Q[x] = u[0];
+        event high: u[0] - 0.5, rising;
+        event either: u[0] - u[1];
+    }
+}
+
+/// Events of inputs alone happen where a control law takes them across zero.
+#[test]
+fn events_of_inputs_alone_are_at_the_instants() {
+    let law = |at: &State<f64, 1>, u: &mut SVector<f64, 2>| *u = [0.3 * at.t, 2.0 - at.t].into();
+    macro_rules! met {
+        ($method:expr, $control:expr) => {
+            let start = State::new(0.0, [0.0], [0.0]);
+            let mut cart = Stepper::new(Commanded::default(), $method, $control, start).every(0.25, law);
+            let events = cart.until(4.0).events((Commanded::HIGH, Commanded::EITHER));
+            let mut met: Vec<_> = events.map(Result::unwrap).collect();
+            met.sort_by_key(|event| event.name);
+            let name = stringify!($method);
+            assert_eq!(met.iter().map(|event| event.name).collect::<Vec<_>>(), ["either", "high"], "{name}");
+            assert!(met.iter().all(|event| (event.state.t - 1.75).abs() < 1e-14), "{name}");
+        };
+    }
+    met!(Dop853, PiController::tolerance(1e-9));
+    met!(Rk4, FixedStep::new(0.1));
+    met!(Radau5, PiController::tolerance(1e-6));
+    met!(Taylor, TaylorController::tolerance(1e-12));
+}

@@ -25,15 +25,20 @@ impl Elaborator<'_> {
         if values.is_empty() {
             return Err(self.errors.push(expression, "an array of no events\nhelp: remove this statement"));
         }
+        // (An input changes between steps.)
+        let fixed: Vec<_> =
+            self.found.parameters.iter().filter(|p| !p.input).map(Parameter::numbers).collect();
+        let is_fixed =
+            |s| matches!(s, Symbol::Parameter(i) if fixed.iter().any(|numbers| numbers.contains(&i)));
         for (i, value) in values.iter().enumerate() {
-            let moves = self.graph.depends(&[*value], |s| !matches!(s, Symbol::Parameter(_)));
+            let moves = self.graph.depends(&[*value], |s| !is_fixed(s));
             if !moves && self.is_derived() {
                 return Ok(());
             }
             if !moves {
                 let label = indexed(&name.to_string(), (!scalar).then_some(i));
                 let message = format!(
-                    "the event `{label}` never happens: its function does not change along a motion\nhelp: let it depend on coordinates, velocities or `t`"
+                    "the event `{label}` never happens: its function does not change along a motion\nhelp: let it depend on coordinates, velocities, inputs or `t`"
                 );
                 return Err(self.errors.push(expression, message));
             }
