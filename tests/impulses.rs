@@ -27,7 +27,8 @@ lagrangian! {
         param m = 1.0, high = -1.0, place = 1.0, width = 1e9;
         coord x, y;
         T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2));
-        V = if (x - place) * (place + width - x) > 0 { high } else { 0 };
+        let beyond = x - place;
+        V = if beyond * (width - beyond) > 0 { high } else { 0 };
         event met: x - place;
     }
 }

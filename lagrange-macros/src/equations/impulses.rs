@@ -36,7 +36,7 @@ enum Jump {
 /// The places at which impulses act. Switches are found by numbers, and told in a warning.
 pub fn impulses(g: &mut Graph, model: &Model, formed: &Formed, errors: &mut Errors) -> Impulses {
     let mut values = formed.momenta[..model.mechanical()].to_vec();
-    values.push(model.lagrangian);
+    values.push(formed.lagrangian);
     let found = switching(g, &values).into_iter().filter_map(|switch| {
         let jump = jump(g, &values, switch, model.mechanical())?;
         Some((switch, jump))
