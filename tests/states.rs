@@ -496,7 +496,7 @@ mod analysis {
         let b = DMatrix::from_column_slice(4, 1, &[0.0, 0.0, 4.0 / 0.07, 1.0]);
         assert!((model.b - b).amax() < 1e-13);
         // From the step response: a small deviation goes as the matrix exponential says.
-        // Of the charge there is no state.
+        // The model has no state for the charge.
         let of_charge = StateSpace::about(&drive, &state).unwrap().observed(&drive, &state, |_, s| [s.q[1]]);
         assert!(matches!(of_charge, Err(lagrange_runtime::analysis::AnalysisError::NotApplicable { .. })));
         let sampled = StateSpace::about(&drive, &state).unwrap().sampled(0.3).unwrap();
