@@ -113,49 +113,58 @@ const SATELLITE: ([f64; 4], [f64; 3], [f64; 3]) = (
     [-0.8, 0.6, -0.5],
 );
 
-/// Lagrange's and Kovalevskaya's tops: digits, and their integrals by a symplectic method over many turns.
 #[test]
-fn integrable_tops_keep_their_integrals() {
-    let lagrange = Top::new(0.5, 0.5, 0.25, 0.0, 0.0, 4.0);
-    let kovalevskaya = Top::new(1.0, 1.0, 0.5, 2.0, 0.0, 0.0);
-    let tops = [
-        (lagrange, [0.5, 0.5, -0.5, 0.5], [0.25, 0.5, 16.0], 4.0, LAGRANGE),
-        (kovalevskaya, [0.5, 0.5, 0.5, 0.5], [1.0, -2.0, 4.0], 10.0, KOVALEVSKAYA),
-    ];
-    for (top, q, omega, end, (attitude, rates)) in tops {
-        let start = top.with_attitude_R(resting(), &quaternion(q), &omega.into());
-        // Energy, the vertical angular momentum, and the third integral.
-        let integrals = |at: &State<f64, 3>| {
-            let omega = top.angular_velocity_R(at);
-            let third = match top.a == 0.0 {
-                true => omega.z,
-                false => {
-                    // |(ω₁ + i ω₂)² − (a/C) (γ₁ + i γ₂)|², with the mass centre on the first axis.
-                    let gamma = top.attitude_R(at).inverse() * Vec3::z();
-                    let ratio = top.a / top.C;
-                    let real = omega.x * omega.x - omega.y * omega.y - ratio * gamma.x;
-                    let imaginary = 2.0 * omega.x * omega.y - ratio * gamma.y;
-                    real * real + imaginary * imaginary
-                }
-            };
-            [top.energy_at(at), top.momentum(&at.q, &at.qd, at.t)[2], third]
-        };
-        let last =
-            integrate(&top, Dop853, PiController::tolerance(1e-13), start).until(end).final_state().unwrap();
-        let missed = apart(&top.attitude_R(&last), &quaternion(attitude));
-        assert!(missed < 1e-9, "{missed:e}");
-        assert!((top.angular_velocity_R(&last) - Vec3::from(rates)).norm() < 1e-9);
-        let known = integrals(&start);
-        let mut worst = [0.0f64; 3];
-        for step in integrate(&top, lagrange_runtime::Gauss6, FixedStep::new(0.01), start).until(100.0) {
-            let found = integrals(&step.unwrap().to);
-            for i in 0..3 {
-                worst[i] = worst[i].max((found[i] - known[i]).abs() / known[i].abs());
+fn lagranges_top_keeps_its_integrals() {
+    let top = Top::new(0.5, 0.5, 0.25, 0.0, 0.0, 4.0);
+    integrals_are_kept(top, [0.5, 0.5, -0.5, 0.5], [0.25, 0.5, 16.0], 4.0, LAGRANGE);
+}
+
+#[test]
+fn kovalevskayas_top_keeps_its_integrals() {
+    let top = Top::new(1.0, 1.0, 0.5, 2.0, 0.0, 0.0);
+    integrals_are_kept(top, [0.5, 0.5, 0.5, 0.5], [1.0, -2.0, 4.0], 10.0, KOVALEVSKAYA);
+}
+
+/// Digits of a motion, and its integrals by a symplectic method over many turns.
+fn integrals_are_kept(
+    top: Top,
+    q: [f64; 4],
+    omega: [f64; 3],
+    end: f64,
+    (attitude, rates): ([f64; 4], [f64; 3]),
+) {
+    let start = top.with_attitude_R(resting(), &quaternion(q), &omega.into());
+    // Energy, the vertical angular momentum, and the third integral.
+    let integrals = |at: &State<f64, 3>| {
+        let omega = top.angular_velocity_R(at);
+        let third = match top.a == 0.0 {
+            true => omega.z,
+            false => {
+                // |(ω₁ + i ω₂)² − (a/C) (γ₁ + i γ₂)|², with the mass centre on the first axis.
+                let gamma = top.attitude_R(at).inverse() * Vec3::z();
+                let ratio = top.a / top.C;
+                let real = omega.x * omega.x - omega.y * omega.y - ratio * gamma.x;
+                let imaginary = 2.0 * omega.x * omega.y - ratio * gamma.y;
+                real * real + imaginary * imaginary
             }
+        };
+        [top.energy_at(at), top.momentum(&at.q, &at.qd, at.t)[2], third]
+    };
+    let last =
+        integrate(&top, Dop853, PiController::tolerance(1e-13), start).until(end).final_state().unwrap();
+    let missed = apart(&top.attitude_R(&last), &quaternion(attitude));
+    assert!(missed < 1e-9, "{missed:e}");
+    assert!((top.angular_velocity_R(&last) - Vec3::from(rates)).norm() < 1e-9);
+    let known = integrals(&start);
+    let mut worst = [0.0f64; 3];
+    for step in integrate(&top, lagrange_runtime::Gauss6, FixedStep::new(0.01), start).until(100.0) {
+        let found = integrals(&step.unwrap().to);
+        for i in 0..3 {
+            worst[i] = worst[i].max((found[i] - known[i]).abs() / known[i].abs());
         }
-        println!("{worst:?}");
-        assert!(worst.iter().all(|x| *x < 1e-6), "{worst:?}");
     }
+    println!("{worst:?}");
+    assert!(worst.iter().all(|x| *x < 1e-6), "{worst:?}");
 }
 
 /// A top that is spun upright: above the critical rate ω₃² = 4 A m g l/C² it stays there, below it only if it is
