@@ -116,7 +116,6 @@ fn expansions_are_reproducible() {
         systems().into_iter().map(|(_, input)| compile::compile(input).to_string()).collect()
     };
     let first = compiled();
-    assert_eq!(first, compiled());
     assert_eq!(first, std::thread::spawn(compiled).join().unwrap());
     // Each system alone, the last one first.
     for (i, (name, input)) in systems().into_iter().enumerate().rev() {

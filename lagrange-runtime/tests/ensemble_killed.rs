@@ -70,7 +70,7 @@ fn a_killed_study_goes_on_to_the_same_bits() {
             .stdout(Stdio::null())
             .spawn()
             .expect("this test once more");
-        std::thread::sleep(Duration::from_millis(53 * kill));
+        std::thread::sleep(Duration::from_millis(29 * kill));
         assert!(child.try_wait().expect("a child").is_none(), "it ended before it was killed");
         child.kill().expect("a child");
         child.wait().expect("a child");

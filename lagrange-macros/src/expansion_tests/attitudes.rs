@@ -142,9 +142,11 @@ fn chains_on_ball_joints_cost_a_constant_number_a_body() {
     let count = |n: usize| chain(n).equations.solved.operations.arithmetic();
     let found: Vec<usize> = (1..=5).map(count).collect();
     assert_eq!(found, [165, 734, 1651, 2530, 3261]);
-    // 615 for each body, and as many are emitted.
-    assert_eq!(agreed("eight", &chain(8)).0.arithmetic(), 5106);
+    // As many are emitted.
+    assert_eq!(agreed("three", &chain(3)).0.arithmetic(), 1651);
     if *LONG {
+        // 615 for each body.
+        assert_eq!(agreed("eight", &chain(8)).0.arithmetic(), 5106);
         assert_eq!(count(16), 10026);
     }
 }

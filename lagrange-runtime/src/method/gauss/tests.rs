@@ -89,7 +89,7 @@ fn energy_does_not_drift() {
         )
         .unwrap()
     };
-    let turns = if crate::long() { 100.0 } else { 30.0 };
+    let turns = if crate::long() { 100.0 } else { 10.0 };
     let (short, long) = (drift(1.0), drift(turns));
     assert!(short < 2e-3 && long < 1.05 * short, "{short} {long}");
     let end = turns * core::f64::consts::TAU;
