@@ -590,7 +590,7 @@ fn mutated(tokens: TokenStream, n: &mut usize, kind: u8, other: &TokenTree) -> T
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: if *LONG { 250 } else { 100 }, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: if *LONG { 250 } else { 50 }, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn soup(words in proptest::collection::vec(word(), 0..60), body in any::<bool>()) {

@@ -275,7 +275,8 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
 
     /// Goes on from `state`, which may differ from the one reached: an impact changes velocities. Events that were
     /// reported there, and that `state` lies on but for rounding, are not met there again. Those of the same time that
-    /// were not reported yet are reported after the restart, if the motion from `state` still crosses them.
+    /// were not reported yet are reported after the restart, if the motion from `state` still crosses them. A state
+    /// from which no motion begins is the failure of the next step; a stepper keeps the state that it had.
     pub fn restart(&mut self, state: State<Number<D, N>, N>) {
         self.run.return_to_end();
         self.run.restart(state);

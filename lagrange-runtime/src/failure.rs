@@ -624,12 +624,12 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
             ),
             Failure::BadPeriod { t, period } => write!(
                 f,
-                "the period of a controller must be positive and finite, and must not be shorter than the rounding of time, but at t = {t:?} it is \
-                 {period:?}; try a longer one, or count time from a nearer origin"
+                "the period of a controller must be positive and finite, and must not be shorter than the rounding of time, and the origin of its \
+                 sampling instants must be finite, but at t = {t:?} the period is {period:?}; try a longer one, or count time from a nearer origin"
             ),
             Failure::InputNotFinite { t, input } => write!(
                 f,
-                "at t = {t:?} the input `{input}` was set to a number that is not finite; look for a division by zero in its controller"
+                "at t = {t:?} the input `{input}` was set to a number that is not finite; look for a division by zero in the control law or the program that sets it"
             ),
             Failure::BadEnd { end: Some(end) } => {
                 write!(f, "the time to go to must be finite, but it is {end:?}; give a finite one")

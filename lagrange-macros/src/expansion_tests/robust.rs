@@ -25,7 +25,7 @@ fn overflowing_constants_are_written() {
 /// Left-deep sums, with and without a factor in common.
 #[test]
 fn long_sums() {
-    let long = if *LONG { 5000 } else { 1000 };
+    let long = if *LONG { 5000 } else { 400 };
     for (n, term) in
         [(long, "m * cos(i * x)"), (200, "m * k[i] * cos(i * x)"), (200, "x.powi(i % 7 + 1) * k[i]")]
     {

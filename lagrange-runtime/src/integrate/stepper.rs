@@ -220,14 +220,7 @@ where
     /// [`Failure::StateNotFinite`], or [`Failure::ConstraintViolated`] if the state is not on the constraints of the
     /// system, but for rounding (see [`consistent`](crate::consistent)). The stepper is where it was then.
     pub fn set_state(&mut self, state: State<Sys::Scalar, N>) -> Result<(), Failure<Sys::Scalar>> {
-        // (Where constraints are dependent, a projection leads anywhere: a run begins on a branch there.)
-        let is_finite = state.is_finite() && state.t.to_f64().is_finite();
-        let begun = if Sys::CONSTRAINTS > 0 && is_finite { self.system.begun_across(&state) } else { None };
-        let state = match begun.and_then(|begun| begun.state) {
-            Some(state) => state,
-            None => admitted(&self.system, &state)
-                .map_err(|failure| self.system.explained(&state, &state, failure))?,
-        };
+        let state = self.begun(state)?;
         self.sides.changed();
         self.goes_on_from(state);
         self.engine.start = state;
@@ -408,6 +401,18 @@ where
         if changed {
             self.sides.driven();
             self.engine.change(Status::Driven);
+        }
+    }
+
+    /// The state at which a motion from the given one begins.
+    fn begun(&self, state: State<Sys::Scalar, N>) -> Result<State<Sys::Scalar, N>, Failure<Sys::Scalar>> {
+        // (Where constraints are dependent, a projection leads anywhere: a run begins on a branch there.)
+        let is_finite = state.is_finite() && state.t.to_f64().is_finite();
+        let begun = if Sys::CONSTRAINTS > 0 && is_finite { self.system.begun_across(&state) } else { None };
+        match begun.and_then(|begun| begun.state) {
+            Some(state) => Ok(state),
+            None => admitted(&self.system, &state)
+                .map_err(|failure| self.system.explained(&state, &state, failure)),
         }
     }
 
@@ -618,8 +623,13 @@ where
         Some(&mut self.stepper.sides)
     }
 
+    /// A state from which no motion begins is told by the next step, and the stepper keeps its own.
     fn restart(&mut self, state: State<Sys::Scalar, N>) {
-        self.stepper.goes_on_from(state);
+        let begun = self.stepper.begun(state);
+        self.failure = begun.err();
+        if let Ok(state) = begun {
+            self.stepper.goes_on_from(state);
+        }
     }
 
     fn back_to(&mut self, state: State<Sys::Scalar, N>) {
