@@ -248,3 +248,56 @@ fn an_input_crosses_several_events() {
     }
     assert_eq!((first, second), (vec!["low", "high"], vec!["high", "low"]));
 }
+
+lagrangian! {
+    /// A ball on the ground.
+    system Bouncing {
+        param g = 9.81;
+        coord y;
+        T = 0.5 * dot(y).powi(2);
+        V = g * y;
+        event ground: y, falling, terminal;
+    }
+}
+
+/// A ball comes to rest after √(2 h/g) (1 + e)/(1 − e). Whatever the tolerance, its bounces accumulate, and what made
+/// them is left on the ground.
+#[test]
+fn bounces_that_accumulate_end_on_the_ground() {
+    let (start, restitution) = (State::new(0.0, [1.0], [0.0]), 0.8);
+    let rest = (2.0 / 9.81f64).sqrt() * (1.0 + restitution) / (1.0 - restitution);
+    for exponent in 6..15 {
+        let controller = PiController::tolerance(10f64.powi(-exponent));
+        let hit = |mut at: State<f64, 1>| {
+            at.qd *= -restitution;
+            at
+        };
+        let ball = Bouncing::new();
+        let mut events = integrate(&ball, Dop853, controller, start).until(20.0).events(Bouncing::GROUND);
+        let failure = loop {
+            match events.next().expect("a bounce, or a failure") {
+                Ok(bounce) => events.restart(hit(bounce.state)),
+                Err(failure) => break failure,
+            }
+        };
+        let run = (failure, *events.state());
+        let mut stepper = Stepper::new(Bouncing::new(), Dop853, controller, start);
+        let failure = loop {
+            let next = stepper.until(20.0).events(Bouncing::GROUND).next();
+            match next.expect("a bounce, or a failure") {
+                Ok(bounce) => stepper.set_state(hit(bounce.state)).unwrap(),
+                Err(failure) => break failure,
+            }
+        };
+        for (failure, at) in [run, (failure, *stepper.state())] {
+            let what = format!("1e-{exponent}: {failure:?} {at:?}");
+            assert!(matches!(failure, Failure::EventsAccumulate { .. }), "{what}");
+            assert!((at.t - rest).abs() < 1e-11 && at.q[0].abs() < 1e-20 && at.qd[0] < 1e-12, "{what}");
+        }
+        // It is held there.
+        stepper.set_state(State::new(stepper.state().t, [0.0], [0.0])).unwrap();
+        stepper.system_mut().g = 0.0;
+        stepper.advance_to(20.0).unwrap();
+        assert_eq!(stepper.state().q[0], 0.0);
+    }
+}

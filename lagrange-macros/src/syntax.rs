@@ -587,7 +587,13 @@ fn statement(input: ParseStream, errors: &mut Errors) -> syn::Result<Statement> 
     let text = known_keyword(&keyword, input, errors)?;
     if text == "routhian" {
         let attributes = attributes::of_system(attributes, errors);
-        return Ok(Statement::Routhian(Header { attributes, visibility, name: type_name(input, errors)? }));
+        let name = type_name(input, errors)?;
+        if input.peek(Token![:]) || input.peek(syn::token::Brace) {
+            let message =
+                format!("a Routhian leaves out each ignorable coordinate\nhelp: write `routhian {name};`");
+            return Err(input.error(message));
+        }
+        return Ok(Statement::Routhian(Header { attributes, visibility, name }));
     }
     if let "restriction" | "simplified" = text {
         let attributes = attributes::of_system(attributes, errors);

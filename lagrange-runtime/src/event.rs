@@ -364,7 +364,12 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
             let parts = self.run.engine().method.parts(&memory, step.h);
             let crosses_shortly = self.run.engine().crosses_shortly();
             let stepped = self.step.insert(Stepped { step, dense, memory, parts, crosses_shortly });
-            self.search.enter(&On(&self.events, self.run.system()), stepped)?;
+            if let Err(failure) = self.search.enter(&On(&self.events, self.run.system()), stepped) {
+                // The motion is known up to there.
+                self.run.parts().1.land(stepped.step.from);
+                self.stage = Stage::Within;
+                return Err(failure);
+            }
             return Ok(Next::Step);
         }
     }

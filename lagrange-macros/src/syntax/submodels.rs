@@ -262,6 +262,10 @@ fn change(input: ParseStream, before: Option<&Move>) -> syn::Result<Change> {
             let again = before.map(|m| &m.change).filter(|_| is_end(input));
             let close = closest(&text, MOVES.map(|(word, _)| word)).and_then(meant);
             let (hint, help) = match (meant(&text).or(close), again) {
+                _ if equals && matches!(before.map(|m| &m.change), Some(Change::Inertia { .. })) => (
+                    String::new(),
+                    format!("at a place of several coordinates it is `inertia at [theta, {text}] = [0, …]`"),
+                ),
                 _ if equals => (String::new(), format!("a coordinate that is held is `lock {text} = …`")),
                 (Some((word, form)), _) => (format!("; did you mean `{word}`?"), format!("write `{form}`")),
                 (None, Some(Change::Neglect(_))) => {

@@ -517,10 +517,8 @@ where
         let (d0, d1) = (norm(&Tangent { q: state.q, qd: state.qd }), norm(&f0));
         let limit = self.end.map_or(f64::INFINITY, |end| (end - state.t).to_f64().abs());
         let h0 = if d0 < 1e-5 || d1 < 1e-5 { 1e-6 } else { 0.01 * d0 / d1 };
-        // Coordinates say nothing about the time in which a body at rest moves, if they are rounding. (Velocities do:
-        // bounces that are too short to be resolved have to end the run.)
-        let at_rest = state.qd.iter().all(|v| *v == Scalar::zero());
-        let least = if at_rest { ROUNDING * Sys::Scalar::EPSILON * state.t.to_f64().abs() } else { 0.0 };
+        // State and tolerance may be those of a motion much shorter than time can tell.
+        let least = ROUNDING * Sys::Scalar::EPSILON * state.t.to_f64().abs();
         // (Which leaves a size that is not a number as it is.)
         let h0 = if h0 < least { least } else { h0 };
         let h0 = self.directed(Sys::Scalar::from_f64(h0.min(limit)));

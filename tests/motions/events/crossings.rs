@@ -504,7 +504,7 @@ fn accumulating_bounces_end_in_a_failure() {
             }
         };
         assert!(
-            matches!(failure, Failure::StepSizeUnderflow { t, .. } if (t - end).abs() < 1e-11),
+            matches!(failure, Failure::EventsAccumulate { t, .. } if (t - end).abs() < 1e-11),
             "{restitution} {failure}"
         );
     }

@@ -110,9 +110,15 @@ impl Elaborator<'_> {
                     !matches!(s, Symbol::Time | Symbol::Parameter(_) | Symbol::Binding(_))
                 }) || self.moves_with_coordinates(&numbers)
                 {
+                    let name = d.name.to_string();
+                    let help = match name.as_str() {
+                        "T" | "V" | "L" | "D" => {
+                            format!("an energy is a statement of its own, with `;` before `{name} = …`")
+                        }
+                        _ => format!("if `{name}` follows from the coordinates, write `let {name} = …;`"),
+                    };
                     let message = format!(
-                        "a prescribed coordinate is a function of time and parameters alone\nhelp: if `{0}` follows from the coordinates, write `let {0} = …;`",
-                        d.name
+                        "a prescribed coordinate is a function of time and parameters alone\nhelp: {help}"
                     );
                     self.errors.push(expression, message);
                     Entry::Broken

@@ -100,6 +100,10 @@ const FOREIGN: &[(&[&str], &str)] = &[
         "a rotation by three angles is a product, `rotation_z(a) * rotation_x(b) * rotation_z(c)`",
     ),
     (
+        &["rotx", "roty", "rotz", "rotX", "rotY", "rotZ", "rot_x", "rot_y", "rot_z", "Rx", "Ry", "Rz"],
+        "rotations about the axes are `rotation_x(a)`, `rotation_y(a)` and `rotation_z(a)`",
+    ),
+    (
         &["omega", "ang_vel", "angvel"],
         "the angular velocity of a frame, in its axes, is `angular_velocity(f)`",
     ),
