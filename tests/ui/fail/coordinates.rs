@@ -184,4 +184,18 @@ pub mod lagrangian_of_first_degree {
     }
 }
 
+// A comma in place of `;`.
+pub mod energy_in_a_list_of_coordinates {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Oscillator {
+            coord x, T = 0.5 * dot(x).powi(2);
+            V = 0.5 * x.powi(2);
+        }
+    }
+
+    pub fn main() {}
+}
+
 fn main() {}

@@ -138,4 +138,20 @@ pub mod bodies_of_wrong_parts {
     pub fn main() {}
 }
 
+// Rotations by the names of other tools.
+pub mod rotations_of_other_tools {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Disk {
+            param I;
+            coord phi;
+            T = body(1, [I, I, I], frame(world, [0, 0, 0], rotz(phi)));
+            V = 0;
+        }
+    }
+
+    pub fn main() {}
+}
+
 fn main() {}

@@ -145,4 +145,21 @@ pub mod routhian_without_ignorable_coordinates {
     }
 }
 
+// A Routhian has no list of coordinates.
+pub mod routhian_with_a_list {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Point {
+            param m;
+            coord x, y;
+            T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2));
+            V = y;
+            pub routhian Reduced: x;
+        }
+    }
+
+    pub fn main() {}
+}
+
 fn main() {}

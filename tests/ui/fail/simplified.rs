@@ -342,6 +342,7 @@ pub mod other_words {
             simplified Friction: neglect damping;
             simplified Both: lock x = 0 neglect k;
             simplified Value: quasistatic x = 0;
+            simplified Place: inertia at x = 0, y = 1;
         }
     }
 }
