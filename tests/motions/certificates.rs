@@ -135,6 +135,18 @@ lagrangian! {
 }
 
 lagrangian! {
+    /// A pendulum on a stiff spring.
+    system Elastic {
+        param k, g = 9.81;
+        coord theta: angle, r: length;
+        T = 0.5 * (dot(r).powi(2) + (r * dot(theta)).powi(2));
+        V = 0.5 * k * (r - 1 - g / k).powi(2) - g * r * cos(theta);
+        simplified Rigid: lock r = 1;
+        simplified Linear: lock r = 1, expand theta to 2 about 0;
+    }
+}
+
+lagrangian! {
     /// Two springs across each other.
     system Plane {
         coord x, y;
@@ -164,6 +176,52 @@ macro_rules! pendulums {
         $(let (full, small) = (full.in_lanes($lanes), small.in_lanes($lanes));)?
         Certification::new(Random::seed(4), $n, [0.1, 0.1], full, small)
     }};
+}
+
+/// Certificates of models that the compiler simplified: of 10⁴ fresh draws no more err by more than is certified than
+/// the quantile says, and none leaves the range that is watched, which is that of the angles of the scene.
+#[test]
+#[cfg_attr(not(feature = "long"), ignore = "long")]
+fn certified_errors_and_ranges_hold_on_fresh_draws() {
+    const RELEASE: f64 = 0.4;
+    let release = Uniform::new(-RELEASE, RELEASE).expect("finite ends");
+    let stiffness = Uniform::new(8e3, 1.2e4).expect("finite ends");
+    let draw = move |mut rng: Generator| {
+        let k = stiffness.sample(&mut rng);
+        (Elastic::new(k), release.sample(&mut rng))
+    };
+    macro_rules! certified {
+        ($model:ident, $allowed:expr) => {{
+            let certificate = |seed: u64, n: u64| {
+                let control = PiController::tolerance(1e-9);
+                let full = move |rng| {
+                    let (system, theta) = draw(rng);
+                    (system, State::new(0.0, [theta, 1.0], [0.0, 0.0]))
+                };
+                let small = move |rng| {
+                    let (system, theta) = draw(rng);
+                    ($model::new(system.k), State::new(0.0, [theta], [0.0]))
+                };
+                let angle = FinalState(|_: &Elastic, end: &State<f64, 2>| [end.q[0], end.qd[0]]);
+                let one = FinalState(|_: &$model, end: &State<f64, 1>| [end.q[0], end.qd[0]]);
+                let full = Simulation::new(full, Dop853, control, 2.0, angle).in_lanes(Fused);
+                let range = InRange::new([-RELEASE * (1.0 + 1e-8)..=RELEASE * (1.0 + 1e-8)], one);
+                let small = Simulation::new(small, Dop853, control, 2.0, range).in_lanes(Fused);
+                let scene = Certification::new(Random::seed(seed), n, $allowed, full, small);
+                scene.run().expect("a sound scene")
+            };
+            let (found, fresh) = (certificate(5, 2995), certificate(6, 10_000));
+            found.holds(0.999, 0.95).expect("a certificate");
+            assert_eq!((found.failed, fresh.failed), (0, 0), "the range was left");
+            for output in 0..2 {
+                let bound = found.bound(output, 0.999, 0.95).expect("enough samples");
+                println!("{}: {bound:e}, fresh {:e}", stringify!($model), fresh.quantile(output, 0.999));
+                assert!(fresh.quantile(output, 0.999) <= bound && bound < $allowed[output]);
+            }
+        }};
+    }
+    certified!(Rigid, [0.02, 0.06]);
+    certified!(Linear, [0.1, 0.3]);
 }
 
 #[test]
