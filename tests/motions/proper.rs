@@ -225,6 +225,7 @@ fn bad_input_is_refused_with_the_reason() {
     refused(scene(8, 0.0, 1.0, 1.0), "positive and finite");
     refused(scene(8, 1.0, f64::NAN, 1.0), "derivatives of sample 0");
     refused(scene(8, 1.0, 1.0, f64::INFINITY), "with the weights [1.0]");
+    refused(scene(8, 1.0, 0.0, 0.0), "output 0 is 0.0 in all samples");
     // A derivative that vanishes does not make a term negligible: runs decide.
     assert_eq!(scene(8, 0.5, 0.0, 1.0).expect("a scene").made, [false]);
     assert_eq!(scene(8, 1.5, 0.0, 1.0).expect("a scene").statement("A"), "pub simplified A: neglect w;");

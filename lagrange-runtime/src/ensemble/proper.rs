@@ -224,7 +224,8 @@ where
     ///
     /// # Errors
     /// If the scene makes no sense: no samples, moves or outputs, an error allowed or a worth that is not positive, a
-    /// sample that the whole model fails, or whose derivatives are not finite.
+    /// sample that the whole model fails, or whose derivatives are not finite, or an output that is the same in all
+    /// samples, whatever is left out.
     pub fn run(&self) -> Result<ProperModel<K, O>, EnsembleError> {
         self.check()?;
         let pool = self.settings.driver(self.samples).pool()?;
@@ -238,6 +239,18 @@ where
         let tried = vec![([false; K], [0.0; O])];
         let mut search = Search { slopes, allowed: self.allowed, worth: self.worth, errors: &errors, tried };
         let (made, error) = search.best();
+        let is_constant = |&output: &usize| {
+            full.len() > 1
+                && full.iter().all(|outputs| outputs[output] == full[0][output])
+                && effects.iter().all(|effect: &[f64; O]| effect[output] == 0.0)
+                && search.tried.iter().all(|(_, errors)| errors[output] == 0.0)
+        };
+        if let Some(output) = (0..O).find(is_constant) {
+            return Err(EnsembleError::Refused(format!(
+                "output {output} is {:?} in all samples, whatever is left out; help: give one that depends on the scene",
+                full[0][output]
+            )));
+        }
         let verified = search.tried.len() as u64 - 1;
         Ok(ProperModel { moves: self.moves, effects, made, error, allowed: self.allowed, verified })
     }
