@@ -65,6 +65,59 @@ lagrangian! {
     }
 }
 
+lagrangian! {
+    /// A base that is somewhere else at once.
+    system Displaced {
+        param m = 1.0, k = 4.0;
+        coord x;
+        coord p = if t < 1 { 0 } else { 0.1 };
+        T = 0.5 * m * (dot(x) + dot(p)).powi(2);
+        V = 0.5 * k * x.powi(2);
+    }
+}
+
+lagrangian! {
+    /// A mass that is elsewhere beyond a place, by a binding.
+    system Shifted {
+        coord x;
+        let y = x + if x > 1 { 0.1 } else { 0 };
+        T = 0.5 * dot(y).powi(2);
+        V = 0;
+    }
+}
+
+lagrangian! {
+    /// The same on a frame.
+    system OnAFrame {
+        coord x, a;
+        let f = frame(world, [x, signum(x - 1), 0], rotation_x(a));
+        T = body(1, [1, 1, 1], f);
+        V = 0;
+        observe jumps = dot(if t < 2 { x } else { 2 * x });
+    }
+}
+
+lagrangian! {
+    /// The base acts by a spring alone, and an output jumps.
+    system Sprung {
+        coord x;
+        coord p = if t < 1 { 0 } else { 0.1 };
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * (x - p).powi(2);
+        observe speed = dot(p);
+    }
+}
+
+lagrangian! {
+    /// A position in two parts that meet.
+    system Parts {
+        coord x;
+        let y = if x > 1 { x * x } else { 2 * x - 1 };
+        T = 0.5 * dot(y).powi(2);
+        V = 0;
+    }
+}
+
 /// Calls a macro with methods of all families.
 macro_rules! with_methods {
     ($case:ident) => {
@@ -95,8 +148,13 @@ fn switches_with_impulses_are_known() {
         <Base as System<1>>::IMPULSES,
         <SetsIn as System<1>>::IMPULSES,
         <Touches as System<1>>::IMPULSES,
+        <Displaced as System<1>>::IMPULSES,
+        <Shifted as System<1>>::IMPULSES,
+        <OnAFrame as System<2>>::IMPULSES,
+        <Sprung as System<1>>::IMPULSES,
+        <Parts as System<1>>::IMPULSES,
     ];
-    assert_eq!(counts, [1, 1, 1, 0, 0]);
+    assert_eq!(counts, [1, 1, 1, 0, 0, 1, 1, 1, 0, 0]);
 }
 
 #[test]
@@ -108,6 +166,9 @@ fn runs_across_an_impulse_fail() {
                 impulse(integrate(&PickUp::default(), $method, $control, start).until(3.0).final_state()),
                 impulse(integrate(&Edge::default(), $method, $control, edge).until(3.0).final_state()),
                 impulse(integrate(&Base::default(), $method, $control, start).until(3.0).final_state()),
+                impulse(integrate(&Displaced::default(), $method, $control, start).until(3.0).final_state()),
+                impulse(integrate(&Shifted::default(), $method, $control, start).until(3.0).final_state()),
+                impulse(integrate(&OnAFrame::default(), $method, $control, edge).until(3.0).final_state()),
                 // Within the last step.
                 impulse(integrate(&Edge::default(), $method, $control, edge).until(1.01).final_state()),
             ];

@@ -191,6 +191,8 @@ pub struct Model {
     pub forces: Vec<(Value, Value)>,
     /// Forces and couples at velocities of frames: each with the velocity that it does work with.
     pub frame_forces: Vec<(Value, Value)>,
+    /// Positions of which velocities are taken, in energies and forces.
+    pub moved: Vec<Value>,
     pub frames: Frames,
     /// Bindings and energies as they were written,
     pub written: Vec<(String, TokenStream)>,
@@ -428,6 +430,7 @@ fn read(
         applied: applied.into_iter().map(|q| q.unwrap_or(Value::ZERO)).collect(),
         forces: found.forces,
         frame_forces: found.frame_forces,
+        moved: found.moved,
         frames: space.frames(),
         written: found.written,
         framed: found.framed,

@@ -464,6 +464,16 @@ fn read(mut tokens: Vec<TokenTree>, statements: &mut Vec<Statement>, errors: &mu
                         syn::Error::new(other.span(), "expected `=` before this"),
                         &tokens[0],
                     ));
+                } else if let [comma, name @ TokenTree::Ident(_), equals, ..] = rest.as_slice()
+                    && is_punct(comma, ',')
+                    && is_punct(equals, '=')
+                    && declared
+                {
+                    let message = format!(
+                        "each has a statement of its own\nhelp: write `{} {name} = …;`, behind `;`",
+                        tokens[0]
+                    );
+                    errors.push(name, message);
                 } else if let [comma, word, ..] = rest.as_slice()
                     && is_punct(comma, ',')
                     && word.to_string() == "redundant"

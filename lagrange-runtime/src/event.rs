@@ -203,6 +203,7 @@ enum Stage<S, const N: usize> {
 
 /// The events of a run, or of a stepper, made by [`Run::events`]. It ends with the run, after a terminal event, or
 /// after a failure, and goes on after [`restart`](Self::restart).
+#[must_use = "it makes no step unless it is iterated over, or run to its end"]
 pub struct Events<D: Drive<N>, E, const K: usize, const N: usize> {
     run: D,
     events: E,

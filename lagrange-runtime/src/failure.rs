@@ -586,7 +586,7 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
             ),
             Failure::UnknownImpulse { t } => write!(
                 f,
-                "by t = {t:?} the motion crossed a condition across which a momentum or the potential energy jumps: an impulse \
+                "by t = {t:?} the motion crossed a condition across which a momentum, a position or the potential energy jumps: an impulse \
                  acts there, which the energies do not say; give the velocities after it at an event that ends the run \
                  there (`jump` helps), or smooth the jump"
             ),

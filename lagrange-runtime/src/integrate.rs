@@ -56,6 +56,7 @@ where
 
 /// A run: an iterator of accepted steps, without end unless [`until`](Self::until) gives one. After a failure it
 /// yields the failure once and ends.
+#[must_use = "it makes no step unless it is iterated over, or run to its end"]
 #[derive(Clone, Debug)]
 pub struct Run<'a, Sys: System<N>, M: Method<Sys, N>, C, const N: usize> {
     system: &'a Sys,

@@ -105,6 +105,7 @@ where
 
 /// A run, or a stretch of a stepper's way, with integrals, made by [`Run::integrals`]. After a failure it yields the
 /// failure once and ends.
+#[must_use = "it makes no step unless it is iterated over, or run to its end"]
 pub struct Integrals<D: Drive<N>, F, const N: usize, const I: usize> {
     run: D,
     integrand: F,

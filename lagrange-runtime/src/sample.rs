@@ -126,6 +126,7 @@ impl<S: Scalar> Iterator for Evenly<S> {
 
 /// The states of a run, or of a stepper, at given times, made by [`Run::sample`]. After a failure it yields the
 /// failure once and ends.
+#[must_use = "it makes no step unless it is iterated over, or run to its end"]
 pub struct Samples<D: Drive<N>, T, const N: usize> {
     run: D,
     times: T,

@@ -1,10 +1,11 @@
-//! Conditions on which an impulse acts: across them a momentum ∂L/∂q̇ jumps, or L along a coordinate.
+//! Conditions on which an impulse acts: across them a momentum ∂L/∂q̇ jumps, or L along a coordinate, or a position.
 //!
 //! Between two forms of L the momenta have the jump λ ∂σ/∂q, where σ is the switching function, and the equations of
 //! motion, which hold on either side, do not say how large λ is: a mass that is picked up for good has λ = 0 and loses
 //! energy; the corner of a stationary action keeps the energy p·q̇ − L (Weierstrass and Erdmann; Gelfand and Fomin,
 //! *Calculus of Variations*, 1963, §15).
 
+use super::assemble::flattened;
 use super::check::{TRIALS, sample};
 use super::formed::Formed;
 use super::series::switches::switching;
@@ -23,12 +24,16 @@ pub struct Impulses {
     pub switches: Vec<Value>,
     /// Functions with data, by their places, on whose slopes momenta depend: there, where these have kinks.
     pub slopes: Vec<usize>,
+    /// Positions of which velocities are taken, in terms of q and t, if they have choices.
+    pub positions: Vec<Value>,
 }
 
 /// A jump, by which an impulse acts.
 enum Jump {
     /// The momentum of this coordinate.
     Momentum(usize),
+    /// A position of which a velocity is taken.
+    Position,
     /// L, along a coordinate.
     Lagrangian,
 }
@@ -36,6 +41,8 @@ enum Jump {
 /// The places at which impulses act. Switches are found by numbers, and told in a warning.
 pub fn impulses(g: &mut Graph, model: &Model, formed: &Formed, errors: &mut Errors) -> Impulses {
     let mut values = formed.momenta[..model.mechanical()].to_vec();
+    let positions = positions(g, model, formed);
+    values.extend(&positions);
     values.push(formed.lagrangian);
     let found = switching(g, &values).into_iter().filter_map(|switch| {
         let jump = jump(g, &values, switch, model.mechanical())?;
@@ -48,6 +55,12 @@ pub fn impulses(g: &mut Graph, model: &Model, formed: &Formed, errors: &mut Erro
         let (keyword, what) = match jump {
             Jump::Momentum(i) => {
                 (&model.keywords.kinetic, format!("the momentum of `{}`", model.coordinates[*i].label()))
+            }
+            Jump::Position => {
+                let keywords = &model.keywords;
+                let keyword =
+                    if keywords.kinetic.is_some() { &keywords.kinetic } else { &keywords.potential };
+                (keyword, "a position whose velocity is taken".into())
             }
             Jump::Lagrangian if model.energies.is_none() => {
                 (&model.keywords.potential, "the Lagrangian".into())
@@ -63,7 +76,15 @@ pub fn impulses(g: &mut Graph, model: &Model, formed: &Formed, errors: &mut Erro
         }
     }
     let switches = found.into_iter().map(|(switch, _)| switch).collect();
-    Impulses { switches, slopes: slopes(g, model, &values[..model.mechanical()]) }
+    Impulses { switches, slopes: slopes(g, model, &values[..model.mechanical()]), positions }
+}
+
+fn positions(g: &mut Graph, model: &Model, formed: &Formed) -> Vec<Value> {
+    let mut moved = flattened(g, &formed.flat, &model.moved);
+    moved.sort_by_key(|value| value.node);
+    moved.dedup_by_key(|value| value.node);
+    moved.retain(|value| !switching(g, &[*value]).is_empty());
+    moved
 }
 
 /// Functions with data on whose slopes momenta depend, at arguments that move.
@@ -82,14 +103,15 @@ fn slopes(g: &Graph, model: &Model, momenta: &[Value]) -> Vec<usize> {
     slopes
 }
 
-/// The first of the momenta, and then L, that jumps where this switching function vanishes. A jump is one that is as
+/// The first of the momenta, the positions, and then L, that jumps where this switching function vanishes. A jump is one that is as
 /// large 1e-9 beside the switch as 1e-6 beside it.
 fn jump(g: &Graph, values: &[Value], switch: Value, mechanical: usize) -> Option<Jump> {
+    let all = values.len();
     let moving = g.symbols(&[switch]).into_iter();
     moving.filter(|s| matches!(s, Symbol::Coordinate(_) | Symbol::Time)).find_map(|symbol| {
         // (L may change with time, and with a state that is no position.)
         let is_position = matches!(symbol, Symbol::Coordinate(i) if i < mechanical);
-        let values = if is_position { values } else { &values[..mechanical] };
+        let values = if is_position { values } else { &values[..values.len() - 1] };
         (0..TRIALS).find_map(|trial| {
             let at = |values: &[Value], x: f64| {
                 g.evaluate(values, |s| if s == symbol { x } else { sample(s, trial, 0) })
@@ -102,7 +124,11 @@ fn jump(g: &Graph, values: &[Value], switch: Value, mechanical: usize) -> Option
                 change(&near, *i) > 1e-6 * size && change(&near, *i) > 0.5 * change(&far, *i)
             };
             let which = (0..values.len()).find(jumps)?;
-            Some(if which < mechanical { Jump::Momentum(which) } else { Jump::Lagrangian })
+            Some(match which {
+                which if which < mechanical => Jump::Momentum(which),
+                which if which < all - 1 => Jump::Position,
+                _ => Jump::Lagrangian,
+            })
         })
     })
 }

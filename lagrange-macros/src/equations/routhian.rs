@@ -53,6 +53,7 @@ pub fn routhian(derived: &Derived, errors: &mut Errors) -> Option<(Graph, Model)
     let observed = r.observed();
     let events = r.events();
     let constraints = r.constraints();
+    let moved = r.at(Speed::Rest, &e.impulses.positions);
     let velocities = r.g.share_angles(&u);
     let removed = e.facts.ignorable.iter().zip(momenta).zip(velocities);
     let removed = removed.map(|((&index, momentum), velocity)| Removed {
@@ -81,6 +82,7 @@ pub fn routhian(derived: &Derived, errors: &mut Errors) -> Option<(Graph, Model)
         applied,
         forces,
         frame_forces,
+        moved,
         frames: Frames::default(),
         written: Vec::new(),
         framed: false,

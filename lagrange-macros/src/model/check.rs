@@ -96,6 +96,7 @@ pub(super) fn complete(e: &mut Elaborator, header: &Header, statements: &[Statem
     energies(e, name);
     rates(e);
     unused_parameters(e);
+    unused_bindings(e);
     names(e, name);
     visibilities(e, header);
 }
@@ -208,6 +209,29 @@ fn missing(e: &mut Elaborator, other: &Ident, energy: &str, help: &str) {
         _ => {
             e.errors.push(other, format!("`{energy}` is missing\nhelp: {help}"));
         }
+    }
+}
+
+/// A binding that nothing depends on, unless its name says so: `let D = …;` is no dissipation function.
+fn unused_bindings(e: &mut Elaborator) {
+    if !e.errors.is_empty() {
+        return;
+    }
+    for (text, (name, entry)) in &e.scope.names {
+        if !matches!(entry, Entry::Let(_)) || e.scope.used.contains(text) || text.starts_with('_') {
+            continue;
+        }
+        let help = match text.as_str() {
+            "T" | "V" | "L" | "D" => format!("that of the system is `{text} = …;`, without `let`"),
+            "Q" | "F" | "force" | "f" | "tau" => {
+                "a generalized force is `Q[x] = …;`, one at a point `force [fx, fy] at [x, y];`".to_string()
+            }
+            _ => format!(
+                "remove it, or let an energy or a force depend on it; if it is meant to be unused, call it `_{text}`"
+            ),
+        };
+        let message = format!("nothing depends on `{text}`\nhelp: {help}");
+        e.errors.warn(name.span(), "unused_binding", message);
     }
 }
 

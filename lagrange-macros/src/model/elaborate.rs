@@ -124,6 +124,7 @@ pub(super) struct Found {
     pub applied: Vec<Option<Value>>,
     pub forces: Vec<(Value, Value)>,
     pub frame_forces: Vec<(Value, Value)>,
+    pub moved: Vec<Value>,
     /// Definitions of frames, and energies.
     pub written: Vec<(String, TokenStream)>,
     pub framed: bool,
@@ -247,10 +248,11 @@ impl<'e> Elaborator<'e> {
         for val in vals {
             let value = self.number(val, expression)?;
             if !value.is_constant() && !self.graph.symbols(&[value]).is_empty() {
-                return Err(self.errors.push(
-                    expression,
-                    "a default is a constant\nhelp: a number that follows from parameters is `let name = …;`",
-                ));
+                let help = match self.graph.depends(&[value], |s| s == Symbol::Time) {
+                    true => "a function of time is `let name = …;`",
+                    false => "a number that follows from parameters is `let name = …;`",
+                };
+                return Err(self.errors.push(expression, format!("a default is a constant\nhelp: {help}")));
             }
             let number = self.graph.evaluate(&[value], |_| f64::NAN)[0];
             if !number.is_finite() {

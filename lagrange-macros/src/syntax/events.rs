@@ -103,6 +103,15 @@ fn options(direction: Direction, terminal: bool) -> String {
 
 /// The function of an event with these options, unless a comparison stands in its place.
 fn function(event: &Event, directed: Option<Direction>, value: Expr, errors: &mut Errors) -> Option<Expr> {
+    if let Expr::Assign(equation) = &value {
+        let comparison = Expr::Binary(syn::ExprBinary {
+            attrs: Vec::new(),
+            left: equation.left.clone(),
+            op: BinOp::Eq(Token![==](equation.eq_token.span)),
+            right: equation.right.clone(),
+        });
+        return function(event, directed, comparison, errors);
+    }
     let Expr::Binary(comparison) = &value else { return Some(value) };
     let meant = match comparison.op {
         BinOp::Eq(_) | BinOp::Ne(_) => Direction::Either,
@@ -139,6 +148,11 @@ fn option(
         return skip_declaration(input);
     };
     let text = word.to_string();
+    if input.peek(Token![=]) && OPTIONS.contains(&text.as_str()) {
+        let sign: Token![=] = input.parse()?;
+        errors.push(sign, format!("an option of an event has no value\nhelp: write `{text}` alone"));
+        return skip_declaration(input);
+    }
     let direction = match text.as_str() {
         "rising" => Direction::Rising,
         "falling" => Direction::Falling,

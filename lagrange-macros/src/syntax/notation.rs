@@ -153,6 +153,13 @@ fn in_brackets(outer: &[TokenTree], at: usize, place: LineColumn) -> Option<(Tok
             Some((name.clone().into(), message))
         }
         (Delimiter::Bracket, Some(name)) if is_here(',') => {
+            if name.to_string() == "Q" {
+                let each = inside.split(|token| is_punct(token, ','));
+                let each: Vec<String> = each.map(|x| format!("`Q[{}] = …;`", text(x))).collect();
+                let message =
+                    format!("a generalized force acts on one coordinate\nhelp: write {}", each.join(" "));
+                return Some((all, message));
+            }
             let indices: String = inside
                 .split(|token| is_punct(token, ','))
                 .map(|index| format!("[{}]", text(index)))
@@ -248,6 +255,15 @@ fn side_by_side(tokens: &[TokenTree], i: usize) -> (&[TokenTree], String) {
             format!("a derivative is not a quotient\nhelp: the time derivative is written `dot({right})`");
         return (&tokens[i - 3..=i], message);
     }
+    if let [event, .., option] = before
+        && event.to_string() == "event"
+        && OPTIONS.contains(&option.to_string().as_str())
+    {
+        let message = format!(
+            "an option follows the function of an event, behind a comma\nhelp: write `{right}, {option}`"
+        );
+        return (both, message);
+    }
     if before[0].to_string() == "event" && OPTIONS.contains(&right.to_string().as_str()) {
         let message = format!("a comma stands before an option of an event\nhelp: write `, {right}`");
         return (&both[1..], message);
@@ -261,6 +277,11 @@ fn side_by_side(tokens: &[TokenTree], i: usize) -> (&[TokenTree], String) {
             let message =
                 format!("the argument of a method is in parentheses\nhelp: write `.{name}({right})`");
             (both, message)
+        }
+        [.., left @ (TokenTree::Ident(_) | TokenTree::Literal(_))]
+            if ["deg", "degree", "degrees"].contains(&right.to_string().as_str()) =>
+        {
+            (both, format!("an angle is in radians\nhelp: degrees become radians by `to_radians({left})`"))
         }
         [.., left @ (TokenTree::Ident(_) | TokenTree::Literal(_))] => {
             let message = format!("expected an operator before this\nhelp: a product is `{left} * {right}`");

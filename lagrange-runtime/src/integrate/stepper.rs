@@ -543,6 +543,7 @@ where
 
 /// The motion of a stepper up to a time, made by [`Stepper::until`]: an iterator of accepted steps. After a failure it
 /// yields the failure once and ends.
+#[must_use = "it makes no step unless it is iterated over, or run to its end"]
 #[derive(Debug)]
 pub struct Stretch<'a, Sys: System<N>, M: Method<Sys, N>, C, const N: usize, U = ()> {
     stepper: &'a mut Stepper<Sys, M, C, N, U>,

@@ -183,4 +183,18 @@ pub mod option_without_a_comma {
     }
 }
 
+pub mod options_of_other_forms {
+    use lagrange_runtime::prelude::*;
+    lagrangian! {
+        system Others {
+            coord x;
+            T = 0.5 * dot(x).powi(2);
+            V = x;
+            event before: falling x;
+            event value: x, terminal = true;
+            event equation: x = 0;
+        }
+    }
+}
+
 fn main() {}

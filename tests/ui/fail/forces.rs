@@ -291,4 +291,22 @@ pub mod impulse_twice_and_rate_of_a_reaction {
     }
 }
 
+// A force on several coordinates, and a product with a matrix.
+pub mod forces_in_matrix_form {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Plate {
+            coord x: [2];
+            let K = [[2, -1], [-1, 2]];
+            T = 0.5 * x.map(|x| dot(x).powi(2)).sum();
+            V = 0.5 * x.dot(K * x);
+            D = dot(x[0]).powi(2) * sin(30 deg);
+            Q[x, x] = [1, 2];
+        }
+    }
+
+    pub fn main() {}
+}
+
 fn main() {}

@@ -329,4 +329,22 @@ pub mod let_mut {
     }
 }
 
+// Outputs in a list, an energy as an output, a function of time as a default.
+pub mod outputs_and_inputs_of_other_forms {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Point {
+            input u = sin(t);
+            coord x;
+            T = 0.5 * dot(x).powi(2);
+            V = u * x;
+            observe total = energy;
+            observe place = x, speed = dot(x);
+        }
+    }
+
+    pub fn main() {}
+}
+
 fn main() {}

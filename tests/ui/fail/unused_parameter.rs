@@ -94,6 +94,20 @@ lagrangian! {
     }
 }
 
+// Energies and forces with `let` are none.
+lagrangian! {
+    pub system Bound {
+        param m, c;
+        coord x;
+        let twice = 2 * x;
+        let _spare = 3 * x;
+        T = 0.5 * m * dot(x).powi(2);
+        V = 0.5 * x.powi(2);
+        let D = 0.5 * c * dot(x).powi(2);
+        let Q = -c * dot(x);
+    }
+}
+
 fn main() {
     let system = Pendulum::new(1.0, 0.5, 0.1);
     let (q, qd) = (SVector::from([0.1]), SVector::from([0.0]));

@@ -291,7 +291,7 @@ impl Elaborator<'_> {
             );
             return Err(self.errors.push(call, message));
         }
-        Ok(Val::Number(self.rate(value)))
+        Ok(Val::Number(self.velocity(value)))
     }
 
     pub(super) fn method_call(&mut self, call: &syn::ExprMethodCall) -> Result {

@@ -227,7 +227,7 @@ impl Elaborator<'_> {
         if let Some(spin) = turn.spin {
             relative = self.relative(&spin);
             if let Spin::About(axis, angle) = spin {
-                let rate = self.rate(angle);
+                let rate = self.velocity(angle);
                 let second = self.rate(rate);
                 drift = axis.map(|n| self.graph.mul(n, second));
             }
@@ -273,7 +273,7 @@ impl Elaborator<'_> {
         }
         let before = self.velocity_in(base, axes);
         let omega = self.space.axes[axes].omega;
-        let rates = offset.map(|r| self.rate(r));
+        let rates = offset.map(|r| self.velocity(r));
         let turning = cross(&mut self.graph, &omega, &offset);
         // What it adds to the velocity, ω × r + ṙ, and to the acceleration, ω × (ω × r + ṙ) + ω × ṙ + r̈.
         let relative = plus(&mut self.graph, &turning, &rates);

@@ -156,10 +156,20 @@ impl Elaborator<'_> {
                 let x = self.vector(x, &binary.right)?;
                 Ok(self.rotated(&turns, x))
             }
-            (Val::Array(_), Val::Array(_)) => Err(self.errors.push(
-                binary,
-                "arrays are not multiplied elementwise\nhelp: the inner product is `a.dot(b)`",
-            )),
+            (Val::Array(a), Val::Array(_)) => {
+                let message = match a.first() {
+                    Some(Val::Array(_)) => {
+                        let (a, b) = (plain(&binary.left), plain(&binary.right));
+                        format!(
+                            "arrays are not multiplied by `*`\nhelp: a matrix times a vector is `{a}.map(|row| row.dot({b}))`"
+                        )
+                    }
+                    _ => {
+                        "arrays are not multiplied elementwise\nhelp: the inner product is `a.dot(b)`".into()
+                    }
+                };
+                Err(self.errors.push(binary, message))
+            }
             (a, b) => {
                 let (a, b) = (self.number(a, &binary.left)?, self.number(b, &binary.right)?);
                 let g = &mut self.graph;

@@ -527,6 +527,17 @@ impl Elaborator<'_> {
         [value, term_by_term].into_iter().chain(whole).min_by_key(length).unwrap_or(value)
     }
 
+    /// The velocity of a position.
+    pub fn velocity(&mut self, position: Value) -> Value {
+        let is_written = position.node.is_some_and(|n| {
+            !matches!(self.graph.node(n), Node::Symbol(Symbol::Coordinate(_) | Symbol::Time))
+        });
+        if !self.observing && is_written {
+            self.found.moved.push(position);
+        }
+        self.rate(position)
+    }
+
     /// Total time derivative.
     pub fn rate(&mut self, value: Value) -> Value {
         let mut rates = std::collections::BTreeMap::new();

@@ -100,7 +100,10 @@ const FOREIGN: &[(&[&str], &str)] = &[
         "a rotation by three angles is a product, `rotation_z(a) * rotation_x(b) * rotation_z(c)`",
     ),
     (
-        &["rotx", "roty", "rotz", "rotX", "rotY", "rotZ", "rot_x", "rot_y", "rot_z", "Rx", "Ry", "Rz"],
+        &[
+            "rotx", "roty", "rotz", "rotX", "rotY", "rotZ", "rot_x", "rot_y", "rot_z", "Rx", "Ry", "Rz",
+            "rotate", "rotate_x", "rotate_y", "rotate_z", "rotateX", "rotateY", "rotateZ",
+        ],
         "rotations about the axes are `rotation_x(a)`, `rotation_y(a)` and `rotation_z(a)`",
     ),
     (
@@ -434,6 +437,9 @@ fn meant_by(name: &str) -> Option<String> {
                 "energies are not names: name the expression, `let kinetic = …;`, and use that; L = T − V is formed by itself, and T + V is the function `energy`; a parameter is declared, `param {name};`"
             )
         }
+        "energy" | "kinetic" | "potential" | "energies" => format!(
+            "energies are functions of the system, `system.energy_at(&state)`; one that is an output is written out, or named by a `let` above: `let {name} = …;`"
+        ),
         "self" | "Self" | "this" => "parameters and coordinates are known by their names alone".into(),
         "True" | "False" => format!("write `{}`", name.to_lowercase()),
         _ if MODULES.contains(&name) => {

@@ -53,7 +53,7 @@ impl Elaborator<'_> {
         match *spin {
             Spin::Free(omega) => omega,
             Spin::About(axis, angle) => {
-                let rate = self.rate(angle);
+                let rate = self.velocity(angle);
                 axis.map(|n| self.graph.mul(n, rate))
             }
         }

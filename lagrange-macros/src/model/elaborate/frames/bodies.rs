@@ -123,9 +123,9 @@ impl Elaborator<'_> {
     fn velocity_word(&mut self, word: &str, frame: &Frame) -> Val {
         match (*frame, word) {
             (Frame::World, _) => numbers_of(&[Value::ZERO; 3]),
-            (Frame::Plane { angle, .. }, "angular_velocity") => Val::Number(self.rate(angle)),
+            (Frame::Plane { angle, .. }, "angular_velocity") => Val::Number(self.velocity(angle)),
             (Frame::Plane { origin, angle }, _) => {
-                let rates = origin.map(|x| self.rate(x));
+                let rates = origin.map(|x| self.velocity(x));
                 numbers_of(&self.turned_in_plane(-angle, rates))
             }
             (Frame::Space { axes, .. }, "angular_velocity") => numbers_of(&self.space.axes[axes].omega),
@@ -172,7 +172,7 @@ impl Elaborator<'_> {
                         moment
                     }
                 };
-                let rate = self.rate(angle);
+                let rate = self.velocity(angle);
                 let square = self.graph.powi(rate, 2);
                 self.graph.mul(inertia, square).scaled(Number::Ratio(1, 2))
             }
@@ -227,7 +227,7 @@ impl Elaborator<'_> {
     fn translation(&mut self, mass: Value, frame: &Frame) -> Value {
         let velocity: Vec<Value> = match *frame {
             Frame::World => Vec::new(),
-            Frame::Plane { origin, .. } => origin.iter().map(|x| self.rate(*x)).collect(),
+            Frame::Plane { origin, .. } => origin.iter().map(|x| self.velocity(*x)).collect(),
             Frame::Space { origin, .. } => {
                 let axes = self.space.points[origin].axes;
                 self.velocity_in(origin, axes).map_or(Vec::new(), |v| v.to_vec())
