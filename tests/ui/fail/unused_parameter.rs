@@ -108,6 +108,15 @@ lagrangian! {
     }
 }
 
+// Moments of inertia that no body has.
+lagrangian! {
+    pub system Spinning {
+        coord a;
+        T = body(1, [1, 1, 2.5], frame(world, [0, 0, 0], rotation_x(a))) + body(1, [1, 1, 2], frame(world, [0, 0, 1], rotation_x(a)));
+        V = 0;
+    }
+}
+
 fn main() {
     let system = Pendulum::new(1.0, 0.5, 0.1);
     let (q, qd) = (SVector::from([0.1]), SVector::from([0.0]));

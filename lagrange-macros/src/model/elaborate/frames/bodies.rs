@@ -253,6 +253,7 @@ impl Elaborator<'_> {
         if !rows.iter().any(|row| matches!(row, Val::Array(_))) {
             let moments = rows.into_iter().map(|i| self.number(i, at)).collect::<Result<Vec<_>>>()?;
             self.check_inertia(&moments, 0.0, "a moment of inertia", at)?;
+            self.check_triangle(&moments, at);
             let entry = |i: usize, j: usize| if i == j { moments[i] } else { Value::ZERO };
             return Ok(std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j))));
         }
@@ -281,6 +282,7 @@ impl Elaborator<'_> {
         minors.push(inner(g, &tensor[0], &across));
         let rounding = 1e-12 * size.max(size * size * size);
         self.check_inertia(&minors, -rounding, "the moment of inertia about some axis", at)?;
+        self.check_triangle(&[tensor[0][0], tensor[1][1], tensor[2][2]], at);
         Ok(tensor)
     }
 
@@ -288,6 +290,19 @@ impl Elaborator<'_> {
         let mass = self.number(mass, at)?;
         self.check_inertia(&[mass], 0.0, "this mass", at)?;
         Ok(mass)
+    }
+
+    /// Warns of moments of inertia that no distribution of mass has: Σ m (y² + z²) ≤ Σ m (x² + z²) + Σ m (x² + y²).
+    fn check_triangle(&mut self, moments: &[Value], at: &Expr) {
+        let known: Option<Vec<f64>> =
+            moments.iter().map(|v| v.is_constant().then_some(v.k.to_f64())).collect();
+        let Some(known) = known else { return };
+        let (largest, sum) = (known.iter().copied().fold(0.0, f64::max), known.iter().sum::<f64>());
+        // (One about whose axes it does not turn may be left out.)
+        if known.iter().all(|moment| *moment > 0.0) && largest > (sum - largest) * (1.0 + 1e-9) {
+            let message = "no body has these moments of inertia: the largest is at most the sum of the others\nhelp: of a flat body it is their sum";
+            self.errors.warn(syn::spanned::Spanned::span(at), "an_inertia_of_no_body", message.into());
+        }
     }
 
     /// Checks that a mass or moment of inertia is not below `least`, as far as it is known.
