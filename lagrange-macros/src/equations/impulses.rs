@@ -103,8 +103,8 @@ fn slopes(g: &Graph, model: &Model, momenta: &[Value]) -> Vec<usize> {
     slopes
 }
 
-/// The first of the momenta, the positions, and then L, that jumps where this switching function vanishes. A jump is one
-/// that is as large 1e-9 beside the switch as 1e-6 beside it.
+/// The first of the momenta, the positions, and then L, that jumps where this switching function vanishes. A jump is
+/// one that is as large 1e-9 beside the switch as 1e-6 beside it.
 fn jump(g: &Graph, values: &[Value], switch: Value, mechanical: usize) -> Option<Jump> {
     let all = values.len();
     let moving = g.symbols(&[switch]).into_iter();
