@@ -90,6 +90,7 @@ pub fn formed(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Forme
         (0..n).map(|i| g.forward(&[friction[i]], |s| (s == velocities[i]).then_some(Value::ONE))[0]);
     let damping: Vec<Value> = damping.collect();
     check::signs(g, &systems[0].matrix, &damping, &model.coordinates, &model.keywords, errors);
+    check::indefinite(g, &systems[0].matrix[..mechanical], model, errors);
     // The bordered matrix is singular where constraints follow from others.
     let sound = match rows.redundancy {
         None => {

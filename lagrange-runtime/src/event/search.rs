@@ -20,7 +20,7 @@ pub(crate) const MOST_PARTS: u32 = 1 << 24;
 /// Length of the step that may have led to the start of a run, in units of its first one, which is a cautious guess.
 const LAST_STEP: f64 = 16.0;
 
-/// The change of g within the rounding of a state: of its time, to the neighbours along the motion, and of each
+/// The change of g within the rounding of a state: to the neighbours along the motion, and of its time and of each
 /// coordinate and velocity alone. Of the two neighbours on each axis, the sums of the smaller and of the larger
 /// changes, which differ where g jumps.
 fn rounding<S: Real, const N: usize>(
@@ -38,11 +38,16 @@ fn rounding<S: Real, const N: usize>(
     add(change(&along[0]), change(&along[1]));
     let scaled = |i: usize, sign: f64| {
         let (mut at, factor) = (*at, S::from_f64(1.0 + sign * ULPS * S::EPSILON));
-        let component = if i < N { &mut at.q[i] } else { &mut at.qd[i - N] };
+        let component = match i {
+            i if i < N => &mut at.q[i],
+            i if i < 2 * N => &mut at.qd[i - N],
+            // (A floor that moves goes on in steps of the clock, and the body does not.)
+            _ => &mut at.t,
+        };
         *component *= factor;
         change(&at)
     };
-    for i in 0..2 * N {
+    for i in 0..=2 * N {
         add(scaled(i, -1.0), scaled(i, 1.0));
     }
     sums

@@ -155,6 +155,69 @@ fn no_ball_falls_through_its_ground() {
     assert!(least >= 4, "{least}");
 }
 
+lagrangian! {
+    /// A ball above a floor that is moved up and down.
+    system Shaken {
+        param floor, amplitude, omega, g = 9.81;
+        coord y;
+        T = 0.5 * dot(y).powi(2);
+        V = g * y;
+        event ground: y - floor - amplitude * sin(omega * t), falling, terminal;
+    }
+}
+
+/// A floor goes on in steps of the clock where a ball that has left it does not: the rounding of time is no impact. Each
+/// impact is met with a velocity towards the floor, none is lost, and flights that can be told do not accumulate.
+#[test]
+fn no_ball_falls_through_a_shaken_floor() {
+    let mut impacts = 0;
+    for (omega, amplitude) in [(3.0, 0.001), (5.0, 0.05), (5.0, 0.02), (7.0, 0.05), (7.0, 0.02), (20.0, 0.1)]
+    {
+        for restitution in [0.3, 0.5, 0.8] {
+            for (tolerance, floor) in [(1e-8, 0.0), (1e-11, 0.0), (1e-11, 1.0)] {
+                let ball = Shaken::new(floor, amplitude, omega);
+                let controller = PiController::tolerance(tolerance);
+                let start = State::new(0.0, [floor + 0.5], [0.0]);
+                let moves = |t: f64| amplitude * omega * f64::cos(omega * t);
+                let (mut at, mut relative) = (start, 0.0);
+                let mut stepper = Stepper::new(ball, Dop853, controller, start);
+                let mut events =
+                    integrate(&ball, Dop853, controller, start).until(3.0).events(Shaken::GROUND);
+                let failure = loop {
+                    let next = events.next();
+                    assert_eq!(stepper.until(3.0).events(Shaken::GROUND).next(), next);
+                    let what =
+                        format!("{omega} {amplitude} {restitution} {tolerance} {floor}: {next:?}, {at:?}");
+                    match next {
+                        Some(Ok(impact)) => {
+                            at = impact.state;
+                            relative = at.qd[0] - moves(at.t);
+                            assert!(relative < 0.0, "{what}");
+                            at.qd[0] = moves(at.t) - restitution * relative;
+                            events.restart(at);
+                            stepper.set_state(at).unwrap();
+                            impacts += 1;
+                        }
+                        other => break other.and_then(Result::err),
+                    }
+                };
+                let what =
+                    format!("{omega} {amplitude} {restitution} {tolerance} {floor}: {failure:?}, {at:?}");
+                match failure {
+                    None => assert!(Shaken::GROUND.value(&ball, stepper.state()) > -1e-9, "{what}"),
+                    Some(Failure::EventsAccumulate { .. }) => {
+                        let height =
+                            0.5 * (restitution * relative).powi(2) / (9.81 + amplitude * omega * omega);
+                        assert!(height < 1e-11, "{height:e}; {what}");
+                    }
+                    Some(_) => panic!("{what}"),
+                }
+            }
+        }
+    }
+    assert!(impacts > 500, "{impacts}");
+}
+
 /// Impacts on the parabola y = x² / 2, with what is left of the velocities along and across it.
 #[test]
 #[cfg_attr(not(feature = "long"), ignore = "long")]

@@ -117,6 +117,25 @@ lagrangian! {
     }
 }
 
+// Kinetic energies that are negative for some velocities.
+lagrangian! {
+    pub system Lighter {
+        param m = -1;
+        coord x;
+        T = 0.5 * m * dot(x).powi(2);
+        V = x.powi(2);
+    }
+}
+
+lagrangian! {
+    pub system Coupled {
+        param m;
+        coord x, y;
+        T = 0.5 * m * (dot(x).powi(2) + dot(y).powi(2)) + 2 * m * dot(x) * dot(y);
+        V = x.powi(2);
+    }
+}
+
 fn main() {
     let system = Pendulum::new(1.0, 0.5, 0.1);
     let (q, qd) = (SVector::from([0.1]), SVector::from([0.0]));
