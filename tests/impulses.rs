@@ -258,6 +258,39 @@ fn a_stepper_fails_in_the_call_that_crosses() {
     assert!(text.contains("an impulse acts"), "{text}");
 }
 
+/// The impulse is to be given, whatever call comes next, and no sample lies beyond it.
+#[test]
+fn a_stepper_goes_on_once_the_impulse_is_given() {
+    macro_rules! waits {
+        ($method:expr, $control:expr) => {
+            let name = stringify!($method);
+            let start = State::new(0.0, [0.0, 0.0], [1.0, 0.5]);
+            let mut stepper = Stepper::new(Edge::default(), $method, $control, start);
+            let met = stepper.until(2.0).events(Edge::MET).next().unwrap().unwrap();
+            assert!((met.state.q[0] - 1.0).abs() < 1e-9, "{name}");
+            let next = stepper.until(2.0).events(Edge::MET).next();
+            assert!(matches!(next, Some(Err(Failure::UnknownImpulse { .. }))), "{name}: {next:?}");
+            for _ in 0..2 {
+                assert!(matches!(stepper.advance_to(2.0), Err(Failure::UnknownImpulse { .. })), "{name}");
+                assert!(matches!(stepper.step(), Err(Failure::UnknownImpulse { .. })), "{name}");
+            }
+            let given = State { qd: [3.0f64.sqrt(), 0.5].into(), ..met.state };
+            stepper.set_state(given).unwrap();
+            stepper.advance_to(2.0).unwrap();
+            assert!((stepper.state().q[0] - 1.0 - 3.0f64.sqrt()).abs() < 1e-9, "{name}");
+            let edge = Edge::default();
+            let samples = integrate(&edge, $method, $control, start).until(2.0).sample([0.9, 0.95, 1.1, 1.2]);
+            let seen: Vec<_> = samples.map(|at| at.map(|at| at.q[0])).collect();
+            assert!(
+                matches!(seen[..], [Ok(_), Ok(_), Err(Failure::UnknownImpulse { .. })]),
+                "{name}: {seen:?}"
+            );
+        };
+    }
+    with_methods!(waits);
+    waits!(Rk4, FixedStep::new(0.3));
+}
+
 #[test]
 fn lanes_fail_as_alone() {
     let draw = |[number]: [u64; 1]| (PickUp::default(), State::new(0.0, [0.0], [0.1 + 0.2 * number as f64]));

@@ -684,3 +684,50 @@ fn blows_leave_states_as_they_are() {
     let after = hit.rebound(&at, &normal, 0.8).after;
     assert!((rate(&after) + 0.8 * rate(&at)).abs() < 1e-14 && after.qd[2] == 0.25, "{after:?}");
 }
+
+lagrangian! {
+    /// Bodies of any mass.
+    system Heavy {
+        param m;
+        coord y, z;
+        T = 0.5 * m * (dot(y).powi(2) + dot(z).powi(2));
+        V = 9.81 * m * y;
+        impulse blow at [z, y];
+    }
+}
+
+lagrangian! {
+    /// The same on a wedge.
+    system OnAWedge {
+        param m;
+        coord y, z;
+        T = 0.5 * m * (dot(y).powi(2) + dot(z).powi(2));
+        V = 9.81 * m * y;
+        constraint wedge: y == z;
+        impulse blow at [z, y];
+    }
+}
+
+/// A rebound has the digits of the velocities, whatever the mass.
+#[test]
+fn rebounds_of_any_mass() {
+    for exponent in -15..=18 {
+        let m = 10f64.powi(exponent);
+        let at = State::new(0.0, [0.0, 0.0], [-2.0, -2.0]);
+        let up = SVector::from([0.0, 1.0]);
+        let free = Heavy::new(m);
+        let jump = free.rebound(&at, &free.blow(&at.q, 0.0, &up), 0.5);
+        assert!((jump.after.qd - SVector::from([1.0, -2.0])).amax() < 1e-14, "{m:e}: {jump:?}");
+        assert!((jump.energy / m + 1.5).abs() < 1e-14, "{m:e}: {jump:?}");
+        let bound = OnAWedge::new(m);
+        let jump = bound.rebound(&at, &bound.blow(&at.q, 0.0, &up), 0.5);
+        assert!((jump.after.qd - SVector::from([1.0, 1.0])).amax() < 1e-14, "{m:e}: {jump:?}");
+        let single = free.map(|x| x as f32);
+        let at = State::new(0f32, [0.0, 0.0], [-2.0, -2.0]);
+        let jump = single.rebound(&at, &SVector::from([1.0, 0.0]), 0.5);
+        assert!((jump.after.qd - SVector::from([1.0, -2.0])).amax() < 1e-6, "{m:e}: {jump:?}");
+        // At rest there is nothing to reverse.
+        let rest = State::new(0.0, [0.0, 0.0], [0.0, 0.0]);
+        assert_eq!(free.rebound(&rest, &SVector::from([1.0, 0.0]), 0.5).after, rest);
+    }
+}

@@ -917,6 +917,24 @@ fn a_restart_that_is_none_is_told() {
     assert_eq!(*rod.state(), lowest);
 }
 
+/// Nor does time go back to the end of a run that is restarted beyond it.
+#[test]
+fn a_restart_beyond_the_end_is_told() {
+    let (system, start) = (Free::default(), State::new(0.0, [0.0], [1.0]));
+    let beyond = State::new(5.0, [2.0], [1.0]);
+    let run = || integrate(&system, Dop853, PiController::tolerance(1e-12), start).until(4.0);
+    let mut events = run().events(Free::GATE);
+    events.next().unwrap().unwrap();
+    events.restart(beyond);
+    assert!(matches!(events.next(), Some(Err(Failure::TimeGoesBack { .. }))));
+    let mut ended = run();
+    ended.run_to_end().unwrap();
+    ended.restart(beyond);
+    let back = ended.clone().final_state().unwrap_err().failure;
+    assert_eq!(back, Failure::TimeGoesBack { t: 5.0, end: 4.0 });
+    assert!((ended.until(6.0).final_state().unwrap().q[0] - 3.0).abs() < 1e-14);
+}
+
 /// Calls for times within rounding of each other add up to a motion.
 #[test]
 fn increments_within_rounding_add_up() {

@@ -8,6 +8,7 @@ mod attitudes;
 mod chains;
 mod counted;
 mod frames;
+mod impulses;
 mod names;
 mod restrictions;
 mod robust;

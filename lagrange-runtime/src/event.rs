@@ -367,7 +367,8 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
             let stepped = self.step.insert(Stepped { step, dense, memory, parts, crosses_shortly });
             if let Err(failure) = self.search.enter(&On(&self.events, self.run.system()), stepped) {
                 // The motion is known up to there.
-                self.run.parts().1.land(stepped.step.from);
+                let (system, engine) = self.run.parts();
+                engine.land(system, stepped.step.from);
                 self.stage = Stage::Within;
                 return Err(failure);
             }
@@ -415,7 +416,7 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
             progress
         };
         let state = approached(engine, system, memory, step, landing, approach)?;
-        engine.land(state);
+        engine.land(system, state);
         let direction = search.landed(&On(events, system), outline, (event, x), &state);
         (self.step, self.stage) = (None, Stage::Landed(x, state));
         Some(self.occurrence(event, direction, state))

@@ -619,8 +619,8 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
             ),
             Failure::TimeGoesBack { t, end } => write!(
                 f,
-                "a stepper at t = {t:?} cannot advance to t = {end:?}, which lies behind it (of steps of a negative size, later times do); set an \
-                 earlier state by `set_state`, or change the sign of the step"
+                "a motion at t = {t:?} cannot go on to t = {end:?}, which lies behind it (of steps of a negative size, later times do); begin at \
+                 an earlier time (`set_state` of a stepper), give a later end, or change the sign of the step"
             ),
             Failure::BadPeriod { t, period } => write!(
                 f,

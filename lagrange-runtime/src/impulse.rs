@@ -44,13 +44,20 @@ pub trait Impulsive<const N: usize>: Lagrangian<N> {
         normal: &SVector<Self::Scalar, N>,
         restitution: Self::Scalar,
     ) -> Jump<Self::Scalar, N> {
-        let along = |qd: &SVector<Self::Scalar, N>| {
-            (0..N).fold(Self::Scalar::zero(), |sum, i| sum + normal[i] * qd[i])
+        let inner = |a: &SVector<Self::Scalar, N>, b: &SVector<Self::Scalar, N>| {
+            (0..N).fold(Self::Scalar::zero(), |sum, i| sum + a[i] * b[i])
         };
-        let unit = self.jump(at, normal);
-        let (speed, gained) = (along(&at.qd), along(&(unit.after.qd - at.qd)));
+        let along = |qd: &SVector<Self::Scalar, N>| inner(normal, qd);
+        let speed = along(&at.qd);
+        // An impulse of the size of the motion, 2T over its speed: what one of 1 N s adds to a heavy body is rounding.
+        let inertia = self.inertia(&at.q, &at.qd, at.t);
+        let momenta = SVector::from_fn(|i, _| inner(&inertia.column(i).into_owned(), &at.qd));
+        let size = inner(&momenta, &at.qd) / speed;
+        let is_size = size * Scalar::zero() == Scalar::zero() && size != Scalar::zero();
+        let size = if is_size { size } else { Scalar::one() };
+        let gained = along(&(self.jump(at, &(normal * size)).after.qd - at.qd));
         let impulse = -(Self::Scalar::one() + restitution) * speed / gained;
-        self.jump(at, &(normal * impulse))
+        self.jump(at, &(normal * (size * impulse)))
     }
 
     /// The jump `q̇⁺ = q̇⁻ + M⁻¹ (P + Aᵀ Λ)` by a generalized impulse P, an entry for each coordinate, in N s of a

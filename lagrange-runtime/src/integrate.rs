@@ -5,7 +5,7 @@ use crate::controller::Controller;
 pub use crate::failed::{Failed, Statistics};
 use crate::failure::Failure;
 use crate::method::{Method, Step};
-use crate::scalar::Real;
+use crate::scalar::{Real, Scalar};
 use crate::state::State;
 use crate::system::System;
 use core::fmt;
@@ -193,8 +193,16 @@ where
     /// assert!((run.until(2.0).final_state()?.q[0] - 3.0).abs() < 1e-14);
     /// # Ok::<(), Failure>(())
     /// ```
+    ///
+    /// A state beyond the end is [`Failure::TimeGoesBack`] of the next step, unless [`until`](Self::until) gives a later
+    /// one.
     pub fn restart(&mut self, state: State<Sys::Scalar, N>) {
+        let (h, zero) = (self.engine.h, Sys::Scalar::zero());
+        let behind = |end: &Sys::Scalar| h != zero && *end != state.t && (*end < state.t) != (h < zero);
         self.engine.restart(state);
+        if let Some(end) = self.engine.end.filter(behind) {
+            self.engine.status = Status::Refused(Failure::TimeGoesBack { t: state.t, end });
+        }
     }
 
     /// The system of the run.
@@ -239,6 +247,10 @@ where
 
     fn parts(&mut self) -> (&Sys, &mut Engine<Sys, M, C, N>) {
         (self.system, &mut self.engine)
+    }
+
+    fn restart(&mut self, state: State<Sys::Scalar, N>) {
+        Run::restart(self, state);
     }
 
     fn begin(&mut self) -> Result<(), Failure<Sys::Scalar>> {

@@ -164,14 +164,18 @@ impl<D: Drive<N>, T: Iterator<Item = Number<D, N>>, const N: usize> Samples<D, T
             self.step = Some(self.run.advance().ok_or(Failure::SampleBeyondEnd { t, end })??);
             self.dense = None;
         }
-        match &self.step {
+        let state = match &self.step {
             Some(step) if t != step.to.t => {
                 let run = &mut self.run;
                 let state = self.dense.get_or_insert_with(|| run.interpolant(step)).at(t);
-                run.on_constraints(state)
+                run.on_constraints(state)?
             }
-            _ => Ok(*self.run.state()),
+            _ => *self.run.state(),
+        };
+        if let Some(step) = &self.step {
+            self.run.engine().known(self.run.system(), &step.from, &state)?;
         }
+        Ok(state)
     }
 }
 

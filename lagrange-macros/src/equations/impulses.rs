@@ -8,15 +8,23 @@
 use super::assemble::flattened;
 use super::check::{TRIALS, sample};
 use super::formed::Formed;
-use super::series::switches::switching;
+use super::series::switches::{choices, switching};
 use crate::diagnostics::Errors;
-use crate::graph::{Graph, Node, Symbol, Value};
+use crate::graph::{Function, Graph, Node, Symbol, Value};
 use crate::model::Model;
 use proc_macro2::Ident;
 
-/// Coordinates and times among which the place of a switch is looked for.
+/// Coordinates and times among which the place of a switch is looked for evenly,
 const RANGE: f64 = 4.0;
 const PARTS: u32 = 64;
+/// and by sizes, up to so many powers of 10.
+const DECADES: i32 = 9;
+const MOST_ROOTS: usize = 8;
+/// Places at which a switch is looked at.
+const PLACES: u64 = 64;
+const MOST_LITERALS: usize = 32;
+/// Part of a value up to which a jump is that of rounded coefficients.
+const ROUNDED: f64 = 1e-8;
 
 /// Places at which impulses act.
 pub struct Impulses {
@@ -44,9 +52,15 @@ pub fn impulses(g: &mut Graph, model: &Model, formed: &Formed, errors: &mut Erro
     let positions = positions(g, model, formed);
     values.extend(&positions);
     values.push(formed.lagrangian);
-    let found = switching(g, &values).into_iter().filter_map(|switch| {
-        let jump = jump(g, &values, switch, model.mechanical())?;
-        Some((switch, jump))
+    let choices = choices(g, &values).into_iter().filter_map(|(switch, mut decided)| {
+        decided.retain(|choice| !is_continuous(g, switch, *choice));
+        (!decided.is_empty()).then_some((switch, decided))
+    });
+    let choices: Vec<_> = choices.collect();
+    let literals = literals(g, &choices.iter().flat_map(|(_, choices)| choices.clone()).collect::<Vec<_>>());
+    let found = choices.iter().filter_map(|choice| {
+        let jump = jump(g, &values, choice, &literals, model.mechanical())?;
+        Some((choice.0, jump))
     });
     let found: Vec<(Value, Jump)> = found.collect();
     let derived = model.origin.is_some() || model.reduction.is_some();
@@ -103,54 +117,139 @@ fn slopes(g: &Graph, model: &Model, momenta: &[Value]) -> Vec<usize> {
     slopes
 }
 
-/// The first of the momenta, the positions, and then L, that jumps where this switching function vanishes. A jump is
-/// one that is as large 1e-9 beside the switch as 1e-6 beside it.
-fn jump(g: &Graph, values: &[Value], switch: Value, mechanical: usize) -> Option<Jump> {
+/// Do the two sides of this choice differ by a multiple of the switching function?
+fn is_continuous(g: &mut Graph, switch: Value, choice: Value) -> bool {
+    let node = choice.node.map(|id| g.node(id).clone());
+    match node {
+        Some(Node::Select(_, values)) => {
+            let [_, _, yes, no] = *values;
+            let difference = g.sub(yes, no);
+            let factors = difference.node.map(|id| g.factors(id));
+            factors.is_some_and(|factors| factors.iter().any(|f| Some(f.0) == switch.node && f.1 > 0))
+        }
+        Some(Node::Call(function, ..)) => function == Function::abs,
+        _ => false,
+    }
+}
+
+/// The first of the momenta, the positions, and then L, that jumps where this switching function vanishes, by the
+/// choices that it decides.
+fn jump(
+    g: &Graph,
+    values: &[Value],
+    (switch, choices): &(Value, Vec<Value>),
+    literals: &[f64],
+    mechanical: usize,
+) -> Option<Jump> {
     let all = values.len();
-    let moving = g.symbols(&[switch]).into_iter();
-    moving.filter(|s| matches!(s, Symbol::Coordinate(_) | Symbol::Time)).find_map(|symbol| {
+    let moving = g.symbols(&[*switch]).into_iter();
+    let moving: Vec<Symbol> = moving.filter(|s| matches!(s, Symbol::Coordinate(_) | Symbol::Time)).collect();
+    moving.iter().enumerate().find_map(|(number, &symbol)| {
         // (L may change with time, and with a state that is no position.)
         let is_position = matches!(symbol, Symbol::Coordinate(i) if i < mechanical);
-        let values = if is_position { values } else { &values[..values.len() - 1] };
-        (0..TRIALS).find_map(|trial| {
+        let values = if is_position { values } else { &values[..all - 1] };
+        // Later places are shared among the symbols.
+        let shared = |trial: &u64| *trial < TRIALS || *trial as usize % moving.len() == number;
+        (0..PLACES).filter(shared).find_map(|trial| {
             let at = |values: &[Value], x: f64| {
-                g.evaluate(values, |s| if s == symbol { x } else { sample(s, trial, 0) })
+                g.evaluate(values, |s| if s == symbol { x } else { place(s, trial, literals) })
             };
-            let root = root(|x| at(&[switch], x)[0])?;
-            let [near, far] = [1e-9, 1e-6].map(|d| [at(values, root - d), at(values, root + d)]);
-            let change = |[below, above]: &[Vec<f64>; 2], i: usize| (above[i] - below[i]).abs();
-            let jumps = |i: &usize| {
-                let size = near[0][*i].abs().max(1e-3);
-                change(&near, *i) > 1e-6 * size && change(&near, *i) > 0.5 * change(&far, *i)
-            };
-            let which = (0..values.len()).find(jumps)?;
-            Some(match which {
-                which if which < mechanical => Jump::Momentum(which),
-                which if which < all - 1 => Jump::Position,
-                _ => Jump::Lagrangian,
+            let roots = roots(|x| at(&[*switch], x)[0], literals);
+            roots.into_iter().find_map(|root| {
+                // The choices are few nodes; what depends on them may be many.
+                first_jump(choices.len(), root, |x| at(choices, x))?;
+                Some(match first_jump(values.len(), root, |x| at(values, x))? {
+                    which if which < mechanical => Jump::Momentum(which),
+                    which if which < all - 1 => Jump::Position,
+                    _ => Jump::Lagrangian,
+                })
             })
         })
     })
 }
 
-/// A place at which a function changes its sign: that of a straight line, or the first one in the range.
-fn root(f: impl Fn(f64) -> f64) -> Option<f64> {
+/// The first of so many values that jumps at a root: by more, within 1e-9 of the root, than it changes on either side,
+/// and than rounded coefficients make of it.
+fn first_jump(count: usize, root: f64, at: impl Fn(f64) -> Vec<f64>) -> Option<usize> {
+    let d = 1e-9 * if root == 0.0 { 1.0 } else { root.abs() };
+    let [before, below, above, after] = [-3.0, -1.0, 1.0, 3.0].map(|parts| at(root + parts * d));
+    (0..count).find(|&i| {
+        let (jump, size) = ((above[i] - below[i]).abs(), above[i].abs().max(below[i].abs()));
+        let beside = (below[i] - before[i]).abs().max((after[i] - above[i]).abs());
+        jump > 100.0 * beside && jump > ROUNDED * size
+    })
+}
+
+/// Literals of these expressions, and places at which their sums vanish, without their signs.
+fn literals(g: &Graph, of: &[Value]) -> Vec<f64> {
+    let mut found: Vec<f64> = vec![0.0];
+    let mut add = |x: f64| {
+        if x.is_finite() && x != 0.0 && !found.contains(&x.abs()) && found.len() < MOST_LITERALS {
+            found.push(x.abs());
+        }
+    };
+    for id in g.live(of) {
+        let operands: &[Value] = match g.node(id) {
+            Node::Sum(a, b) => &[*a, *b],
+            Node::Call(_, a, b) => &[*a, *b],
+            Node::Select(_, all) => &all[..2],
+            _ => &[],
+        };
+        let constant = operands.iter().filter(|v| v.node.is_none()).map(|v| v.k.to_f64());
+        for constant in constant {
+            add(constant);
+            operands.iter().for_each(|v| add(constant / v.k.to_f64()));
+        }
+    }
+    found
+}
+
+/// A value of a symbol in a trial: about 1 in the first ones, and then near a literal of the conditions, so that it is
+/// on both sides of the other ones, or of any size.
+fn place(symbol: Symbol, trial: u64, literals: &[f64]) -> f64 {
+    let uniform = |salt: u64| sample(symbol, trial, salt) - 0.4;
+    if trial < TRIALS || !matches!(symbol, Symbol::Coordinate(_) | Symbol::Time | Symbol::Parameter(_)) {
+        return sample(symbol, trial, 0);
+    }
+    let signed = |x: f64| if uniform(2) < 0.5 { x } else { -x };
+    match uniform(1) {
+        kind if kind < 0.5 => {
+            let literal = literals[(uniform(3) * literals.len() as f64) as usize % literals.len()];
+            let beside = 10f64.powf(-4.0 * uniform(4)) * if uniform(5) < 0.5 { 1.0 } else { -1.0 };
+            signed(literal) + beside * if literal == 0.0 { 1.0 } else { literal.abs().min(1.0) }
+        }
+        kind if kind < 0.75 => signed(10f64.powf(6.0 * uniform(3) - 3.0)),
+        _ => sample(symbol, trial, 0),
+    }
+}
+
+/// Places at which a function changes its sign: that of a straight line, or those in a range of any size.
+fn roots(f: impl Fn(f64) -> f64, literals: &[f64]) -> Vec<f64> {
     let [start, next] = [0.0, 1.0].map(&f);
     let straight = start / (start - next);
     let beside = 1e-6 * straight.abs().max(1.0);
     if (f(straight - beside) < 0.0) != (f(straight + beside) < 0.0)
         && f(straight).abs() <= 1e-12 * start.abs()
     {
-        return Some(straight);
+        return vec![straight];
     }
-    let place = |k: u32| RANGE * (2.0 * f64::from(k) / f64::from(PARTS) - 1.0) + 1e-3;
-    let signs: Vec<bool> = (0..=PARTS).map(|k| f(place(k)) < 0.0).collect();
-    let part = signs.windows(2).position(|ends| ends[0] != ends[1])?;
-    let (mut low, mut high) = (place(part as u32), place(part as u32 + 1));
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        let end = if (f(middle) < 0.0) == signs[part] { &mut low } else { &mut high };
-        *end = middle;
-    }
-    Some(high)
+    let even = (0..=PARTS).map(|k| RANGE * (2.0 * f64::from(k) / f64::from(PARTS) - 1.0) + 1e-3);
+    let sizes = (-2 * DECADES..=2 * DECADES).map(|k| 10f64.powf(0.5 * f64::from(k)));
+    let sizes = sizes.chain(literals.iter().copied()).flat_map(|x| [-x, x]);
+    let mut places: Vec<(f64, f64)> =
+        even.chain(sizes).map(|x| (x, f(x))).filter(|(_, y)| !y.is_nan()).collect();
+    places.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let changes = places.windows(2).filter(|ends| (ends[0].1 < 0.0) != (ends[1].1 < 0.0));
+    let root = |ends: &[(f64, f64)]| {
+        let (mut low, mut high, negative) = (ends[0].0, ends[1].0, ends[0].1 < 0.0);
+        loop {
+            let middle = 0.5 * (low + high);
+            if middle <= low || middle >= high {
+                return high;
+            }
+            let end = if (f(middle) < 0.0) == negative { &mut low } else { &mut high };
+            *end = middle;
+        }
+    };
+    changes.take(MOST_ROOTS).map(root).collect()
 }

@@ -163,7 +163,7 @@ pub(super) fn land<D: Drive<N>, const N: usize>(
     };
     let (x, landed) = landing(stepped, event, x, direction, g, attempt)?;
     if let Some(state) = across_switch(system, stepped, x, g) {
-        engine.land(state);
+        engine.land(system, state);
         return Ok(state);
     }
     if g(&landed).infinitesimal().magnitude() > 0.0 {
@@ -174,11 +174,11 @@ pub(super) fn land<D: Drive<N>, const N: usize>(
         };
         if let Some(place) = with_slopes(x, slope, state, g) {
             let (step, _) = engine.attempt_from(system, &stepped.memory, &from, place * h)?;
-            engine.land(step.to);
+            engine.land(system, step.to);
             return Ok(step.to);
         }
     }
-    engine.land(landed);
+    engine.land(system, landed);
     Ok(landed)
 }
 

@@ -404,19 +404,21 @@ where
         self.status = Status::Unprepared;
     }
 
-    /// Goes on from `state`, which lies on the trajectory, with the step size that it has.
-    pub fn land(&mut self, state: State<Sys::Scalar, N>) {
+    /// Goes on from `state`, which lies on the trajectory, with the step size that it has. If the last step crossed a
+    /// switch at which an impulse acts, it is still to be given, unless `state` lies before the switch.
+    pub fn land(&mut self, system: &Sys, state: State<Sys::Scalar, N>) {
+        self.leapt = Self::IMPULSES && self.leapt && !needs_impulse(system, &state, &self.state);
         self.state = state;
         self.memory = None;
         self.across[0] = false;
         self.approach = Approach::NONE;
-        (self.begins, self.leapt) = (false, false);
+        self.begins = false;
         self.status = Status::Unprepared;
     }
 
     /// Goes back to `state`, which lies within the last step. [`return_to`](Self::return_to) the end of it goes on as
     /// if that had not been.
-    pub fn back_to(&mut self, state: State<Sys::Scalar, N>) -> StepEnd<Sys, M, N> {
+    pub fn back_to(&mut self, system: &Sys, state: State<Sys::Scalar, N>) -> StepEnd<Sys, M, N> {
         let end = StepEnd {
             state: self.state,
             memory: self.memory.take(),
@@ -425,7 +427,7 @@ where
             approach: self.approach,
             leapt: self.leapt,
         };
-        self.land(state);
+        self.land(system, state);
         end
     }
 
@@ -455,6 +457,20 @@ where
     pub fn without_impulse(&self) -> Result<(), Failure<Sys::Scalar>> {
         if Self::IMPULSES && self.leapt {
             return Err(Failure::UnknownImpulse { t: self.state.t });
+        }
+        Ok(())
+    }
+
+    /// Fails if a state within the last step, which began in `from`, lies beyond a switch at which an impulse acts.
+    #[inline(always)]
+    pub fn known(
+        &self,
+        system: &Sys,
+        from: &State<Sys::Scalar, N>,
+        state: &State<Sys::Scalar, N>,
+    ) -> Result<(), Failure<Sys::Scalar>> {
+        if Self::IMPULSES && self.leapt && needs_impulse(system, from, state) {
+            return Err(Failure::UnknownImpulse { t: state.t });
         }
         Ok(())
     }

@@ -532,7 +532,8 @@ where
     /// The cause of a failure, after which the next call begins anew.
     #[cold]
     fn recovered(&mut self, failure: Failure<Sys::Scalar>) -> Failure<Sys::Scalar> {
-        if let Failure::BudgetUsedUp { .. } = failure {
+        // (An impulse is still to be given.)
+        if let Failure::BudgetUsedUp { .. } | Failure::UnknownImpulse { .. } = failure {
             return failure;
         }
         let failure = self.engine.explained(&self.system, failure);
@@ -634,7 +635,7 @@ where
     }
 
     fn back_to(&mut self, state: State<Sys::Scalar, N>) {
-        self.step_end = Some(self.stepper.engine.back_to(state));
+        self.step_end = Some(self.stepper.engine.back_to(&self.stepper.system, state));
     }
 
     fn return_to_end(&mut self) {

@@ -166,8 +166,8 @@ lagrangian! {
     }
 }
 
-/// A floor goes on in steps of the clock where a ball that has left it does not: the rounding of time is no impact. Each
-/// impact is met with a velocity towards the floor, none is lost, and flights that can be told do not accumulate.
+/// A floor goes on in steps of the clock where a ball that has left it does not: the rounding of time is no impact.
+/// Each impact is met with a velocity towards the floor, none is lost, and flights that can be told do not accumulate.
 #[test]
 fn no_ball_falls_through_a_shaken_floor() {
     let mut impacts = 0;

@@ -75,7 +75,12 @@ pub fn sided(g: &mut Graph, roots: &[Value], others: &[Value]) -> (Vec<Value>, V
 /// The switching functions of all choices among these expressions that move: a − b of `a < b`, x of `x.abs()` and
 /// `x.signum()`, each once, and the choices below them as they are.
 pub fn switching(g: &mut Graph, roots: &[Value]) -> Vec<Value> {
-    let mut switches: Vec<Id> = Vec::new();
+    choices(g, roots).into_iter().map(|(switch, _)| switch).collect()
+}
+
+/// The same with the choices that each decides.
+pub fn choices(g: &mut Graph, roots: &[Value]) -> Vec<(Value, Vec<Value>)> {
+    let mut switches: Vec<(Value, Vec<Value>)> = Vec::new();
     for id in g.live(roots) {
         let function = match g.node(id) {
             Node::Call(Function::abs | Function::signum, x, _) => *x,
@@ -86,13 +91,15 @@ pub fn switching(g: &mut Graph, roots: &[Value]) -> Vec<Value> {
             _ => continue,
         };
         let function = simple(g, function);
-        if let Some(id) = function.node.filter(|_| !is_number(g, function))
-            && !switches.contains(&id)
-        {
-            switches.push(id);
+        let Some(switch) = function.node.filter(|_| !is_number(g, function)).map(Value::from) else {
+            continue;
+        };
+        match switches.iter_mut().find(|(known, _)| *known == switch) {
+            Some((_, decided)) => decided.push(id.into()),
+            None => switches.push((switch, vec![id.into()])),
         }
     }
-    switches.into_iter().map(Value::from).collect()
+    switches
 }
 
 /// A function of the same sign without multiple roots: each factor once that stands in an odd power, and none in an

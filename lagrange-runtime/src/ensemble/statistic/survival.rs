@@ -60,7 +60,8 @@ pub struct Survival<const K: usize> {
 }
 
 impl<const K: usize> Survival<K> {
-    /// Lifetimes from the time `start` on, counted up to `end`, in so many equal bins. Causes are 0 to K − 1.
+    /// Lifetimes from the time `start` on, counted up to `end`, in so many equal bins. Causes are 0 to K − 1: a lifetime
+    /// that another cause has ended panics, since a curve without it would be biased.
     pub const fn new(start: f64, end: f64, bins: usize) -> Self {
         Survival { start, end, bins }
     }
@@ -122,7 +123,7 @@ impl<const K: usize> Lifetimes<K> {
         self.events.iter().flatten().sum()
     }
 
-    /// The number of lifetimes that were left out: not finite, before the start, or of a cause that is none of K.
+    /// The number of lifetimes that were left out: not finite, or before the start.
     pub fn invalid(&self) -> u64 {
         self.invalid
     }
@@ -177,7 +178,13 @@ impl<const K: usize> Statistic<Lifetime> for Survival<K> {
 
     fn add(&self, state: &mut Lifetimes<K>, _index: u64, &Lifetime { time, cause }: &Lifetime) {
         let place = (time - self.start) / (self.end - self.start);
-        if !(time.is_finite() && place >= 0.0 && cause.is_none_or(|cause| cause < K)) {
+        if let Some(cause) = cause {
+            assert!(
+                cause < K,
+                "a lifetime was ended by cause {cause}, and `Survival<{K}>` has the causes 0 to {K} − 1"
+            );
+        }
+        if !(time.is_finite() && place >= 0.0) {
             state.invalid += 1;
             return;
         }

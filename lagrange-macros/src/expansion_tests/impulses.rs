@@ -1,0 +1,81 @@
+//! Conditions on which impulses act, however they are written.
+
+use super::{input, solved};
+
+/// Numbers of switches with impulses of a system with these statements.
+fn impulses(statements: &str) -> usize {
+    let text = format!(
+        "lagrangian! {{ system Any {{ param e = 1, big = 30, k = 1e3; coord x, y; {statements} }} }}"
+    );
+    solved(input(&text)).equations.impulses.switches.len()
+}
+
+const T: &str = "T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));";
+
+#[test]
+fn potentials_that_jump_are_found() {
+    for (condition, count) in [
+        // Beside other conditions.
+        ("x > e && y > 5", 2),
+        ("x > e && y < -1", 2),
+        ("big > 10 && x > e", 1),
+        ("x > 10 && x < 11 && y > 10 && y < 11", 4),
+        ("abs(x - 10) < 0.5 && abs(y - 10) < 0.5", 2),
+        // In places of any size.
+        ("hypot(x - 3, y - 2) < 0.1", 1),
+        ("(x - 3).powi(2) + (y - 2).powi(2) < 0.01", 1),
+        ("hypot(x - 30, y - 20) < 5", 1),
+        ("x > 1e9", 1),
+        ("x > 1e-3", 1),
+        // Behind functions.
+        ("x * x > 1e4", 1),
+        ("x.powi(3) > 1e6", 1),
+        ("exp(x) > 100", 1),
+        ("exp(-x) < 0.01", 1),
+        ("cosh(x) > 1e5", 1),
+        ("ln(x) > 5", 1),
+        ("sqrt(x) > 30", 1),
+        ("tanh(x - 5) > 0.9", 1),
+        ("1 / (1 + x * x) < 0.001", 1),
+        ("atan2(x, 1) > 1.5", 1),
+    ] {
+        for size in [-0.1, 1e-7] {
+            let found = impulses(&format!("{T} V = if {condition} {{ {size} }} else {{ 0 }};"));
+            assert_eq!(found, count, "{condition}, {size}");
+        }
+    }
+    // An instant of time alone is none.
+    assert_eq!(impulses(&format!("{T} V = if x > e && t > 2 {{ 1 }} else {{ 0 }};")), 1);
+    assert_eq!(impulses(&format!("{T} V = if x > 1 {{ max(y - 3, 0) }} else {{ 0 }};")), 1);
+    assert_eq!(impulses(&format!("{T} V = if x * (x - 1) > 0 {{ x }} else {{ 0 }};")), 1);
+    let light = "T = 0.5e-9 * (dot(x).powi(2) + dot(y).powi(2)); V = if x > 1 { 1e-10 } else { 0 };";
+    assert_eq!(impulses(light), 1);
+}
+
+#[test]
+fn momenta_and_positions_that_jump_are_found() {
+    for statements in [
+        "T = 0.5 * dot(x).powi(2) * if exp(x) > 1e4 { 2 } else { 1 } + dot(y).powi(2); V = 0;",
+        "coord p = max(t * t - 2500, 0); T = 0.5 * (dot(x) + dot(p)).powi(2) + dot(y).powi(2); V = 0;",
+        "coord p = max(exp(0.1 * t) - 100, 0); T = 0.5 * (dot(x) + dot(p)).powi(2) + dot(y).powi(2); V = 0;",
+        "coord p = 1e-6 * max(t - 1, 0); T = 0.5 * (dot(x) + dot(p)).powi(2) + dot(y).powi(2); V = 0;",
+        "coord p = if t > 70 { 0.1 } else { 0 }; T = 0.5 * (dot(x) + dot(p)).powi(2) + dot(y).powi(2); V = 0;",
+    ] {
+        assert_eq!(impulses(statements), 1, "{statements}");
+    }
+}
+
+#[test]
+fn forces_that_jump_have_none() {
+    for potential in [
+        "9.81 * x + 50 * max(-x, 0).powi(2) + if x > 2 { 100 * (x - 2) } else { 0 }",
+        "if hypot(x - 3, y - 2) < 0.1 { k * (0.1 - hypot(x - 3, y - 2)).powi(2) } else { 0 }",
+        "if x < -1 { 0.5 } else if x > 1 { 0.5 } else { 0.5 * x * x }",
+        "clamp(x, -3, 3) * 1e5 + sin(1000 * max(x - 7, 0))",
+        "if x > 0.3 { 0.09 + 0.6 * (x - 0.3) } else { x * x }",
+        "if y > 2 && x > 1 { (x - 1) * (y - 2) } else { 0 }",
+        "abs(x - e) * k + min(x, y)",
+    ] {
+        assert_eq!(impulses(&format!("{T} V = {potential};")), 0, "{potential}");
+    }
+}
