@@ -25,6 +25,7 @@ fn potentials_that_jump_are_found() {
         ("hypot(x - 3, y - 2) < 0.1", 1),
         ("(x - 3).powi(2) + (y - 2).powi(2) < 0.01", 1),
         ("hypot(x - 30, y - 20) < 5", 1),
+        ("min(x, y) > 1", 1),
         ("x > 1e9", 1),
         ("x > 1e-3", 1),
         // Behind functions.
