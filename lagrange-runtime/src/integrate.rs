@@ -194,8 +194,8 @@ where
     /// # Ok::<(), Failure>(())
     /// ```
     ///
-    /// A state beyond the end is [`Failure::TimeGoesBack`] of the next step, unless [`until`](Self::until) gives a later
-    /// one.
+    /// A state beyond the end is [`Failure::TimeGoesBack`] of the next step, unless [`until`](Self::until) gives a
+    /// later one.
     pub fn restart(&mut self, state: State<Sys::Scalar, N>) {
         let (h, zero) = (self.engine.h, Sys::Scalar::zero());
         let behind = |end: &Sys::Scalar| h != zero && *end != state.t && (*end < state.t) != (h < zero);

@@ -60,8 +60,8 @@ pub struct Survival<const K: usize> {
 }
 
 impl<const K: usize> Survival<K> {
-    /// Lifetimes from the time `start` on, counted up to `end`, in so many equal bins. Causes are 0 to K − 1: a lifetime
-    /// that another cause has ended panics, since a curve without it would be biased.
+    /// Lifetimes from the time `start` on, counted up to `end`, in so many equal bins. Causes are 0 to K − 1: a
+    /// lifetime that another cause has ended panics, since a curve without it would be biased.
     pub const fn new(start: f64, end: f64, bins: usize) -> Self {
         Survival { start, end, bins }
     }
