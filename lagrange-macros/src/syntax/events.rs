@@ -39,6 +39,12 @@ pub fn event(input: ParseStream, attributes: Vec<Attribute>, errors: &mut Errors
     let mut event =
         Event { attributes, name, value: None, length: None, direction: Direction::Either, terminal: false };
     let name = &event.name;
+    if OPTIONS.contains(&name.to_string().as_str()) && input.peek(Ident::peek_any) {
+        let message = format!(
+            "an option stands behind the function of an event\nhelp: write `event ground: y, {name};`"
+        );
+        return Err(syn::Error::new(name.span(), message));
+    }
     let Ok(sign) = input.parse::<TokenTree>() else {
         let message = format!("an event needs its function\nhelp: write `event {name}: y;`");
         return Err(syn::Error::new(name.span(), message));

@@ -134,6 +134,9 @@ pub fn statement_elsewhere(word: &str) -> Option<&'static str> {
         "torque" | "moment" => Some(
             "a torque is no statement\nhelp: along an angle it is `Q[theta] = …;`, on a frame in space `couple [mx, my, mz] on link;`",
         ),
+        "every" | "sample" | "controller" => Some(
+            "a control law is no part of a system\nhelp: declare `input u;`, and give the law to a stepper, `Stepper::every`",
+        ),
         "print" | "println" | "disp" | "plot" | "display" => {
             Some("a system prints nothing\nhelp: a number of interest is an output, `observe name = …;`")
         }

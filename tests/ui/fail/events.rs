@@ -193,6 +193,7 @@ pub mod options_of_other_forms {
             event before: falling x;
             event value: x, terminal = true;
             event equation: x = 0;
+            event terminal first: x;
         }
     }
 }

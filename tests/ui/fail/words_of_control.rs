@@ -110,4 +110,20 @@ pub mod names {
     }
 }
 
+// A control law in a system.
+pub mod laws {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Cart {
+            input u;
+            coord x;
+            T = 0.5 * dot(x).powi(2);
+            V = 0;
+            Q[x] = u;
+            every 0.01: u = -x;
+        }
+    }
+}
+
 fn main() {}
