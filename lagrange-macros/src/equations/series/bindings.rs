@@ -316,7 +316,7 @@ impl Right {
 
     /// The same with these values in place of its own.
     fn with(&self, values: &mut impl Iterator<Item = Value>) -> Right {
-        let mut next = |own: Value| values.next().unwrap_or(own);
+        let mut next = |_: Value| values.next().expect("a value in place of each");
         match self {
             Right::Known { value, tails } => Right::Known {
                 value: next(*value),
@@ -344,7 +344,7 @@ impl Right {
             Right::Definition { explicit, terms } => {
                 let slopes: Vec<Value> = terms.iter().map(|[slope, _]| *slope).chain([*explicit]).collect();
                 let mut next = orders.of(&slopes);
-                let mut sum = next.pop().unwrap_or(Value::ZERO);
+                let mut sum = next.pop().expect("the explicit part behind the slopes");
                 for (&[slope, rate], next) in terms.iter().zip(next) {
                     let (Some(of), Some(id)) = (slope.node, rate.node.filter(|_| !is_number(orders.g, rate)))
                     else {
