@@ -633,6 +633,9 @@ fn periods_and_controllers_that_are_none() {
         assert_eq!(*stepper.state(), start);
         assert_eq!(calls, 0);
     }
+    // From t = 0 on there are more of them than can be counted.
+    let mut stepper = motors().every(1e-20, |_, _| {});
+    assert_eq!(stepper.advance_to(0.01), Err(Failure::BadPeriod { t: 0.01, period: 1e-20 }));
     let start = State { t: 1.7e9, ..SWUNG };
     let mut calls = 0;
     let mut stepper =

@@ -14,6 +14,9 @@ const ROUNDINGS: f64 = 4.0;
 /// and equally far.
 const SHORTEST_PERIOD: f64 = 64.0;
 
+/// The largest number of instants: further ones have no number of their own.
+const MOST_INSTANTS: f64 = 9_007_199_254_740_992.0;
+
 /// A number of ulps of the time t, or of an origin of times as far from 0 as `scale`.
 #[inline(always)]
 fn roundings<S: Real>(count: f64, t: S, scale: f64) -> f64 {
@@ -73,6 +76,9 @@ pub trait Control<Sys: System<N, Scalar: Real>, const N: usize> {
 
     /// Fails unless sampling instants from the time t on differ by more than rounding.
     fn check(&self, t: Sys::Scalar) -> Result<(), Failure<Sys::Scalar>>;
+
+    /// Fails if there are more sampling instants up to the time t than can be counted.
+    fn counts(&self, t: Sys::Scalar) -> Result<(), Failure<Sys::Scalar>>;
 }
 
 impl<Sys: System<N, Scalar: Real>, const N: usize> Control<Sys, N> for () {
@@ -93,6 +99,10 @@ impl<Sys: System<N, Scalar: Real>, const N: usize> Control<Sys, N> for () {
     fn seek(&mut self, _: Sys::Scalar) {}
 
     fn check(&self, _: Sys::Scalar) -> Result<(), Failure<Sys::Scalar>> {
+        Ok(())
+    }
+
+    fn counts(&self, _: Sys::Scalar) -> Result<(), Failure<Sys::Scalar>> {
         Ok(())
     }
 }
@@ -207,5 +217,12 @@ where
     fn check(&self, t: Sys::Scalar) -> Result<(), Failure<Sys::Scalar>> {
         self.resolved(t)?;
         self.others.check(t)
+    }
+
+    fn counts(&self, t: Sys::Scalar) -> Result<(), Failure<Sys::Scalar>> {
+        if ((t - self.origin) / self.period).to_f64() > MOST_INSTANTS {
+            return Err(Failure::BadPeriod { t, period: self.period });
+        }
+        self.others.counts(t)
     }
 }

@@ -492,6 +492,7 @@ where
         if self.engine.status == Status::Unprepared {
             self.goes_back()?;
             self.control.check(self.engine.state.t)?;
+            target.map_or(Ok(()), |target| self.control.counts(target))?;
         }
         self.act()?;
         // (An instant that differs from the target by rounding is the target.)
