@@ -301,3 +301,41 @@ fn bounces_that_accumulate_end_on_the_ground() {
         assert_eq!(stepper.state().q[0], 0.0);
     }
 }
+
+/// A restart from where no motion begins is told, and the stepper stays where it was.
+#[test]
+fn a_restart_that_is_none_is_told() {
+    let start = State::new(0.0, [0.0], [1.0]);
+    let mut cart = Stepper::new(Cart::new(), Dop853, PiController::tolerance(1e-12), start);
+    let mut events = cart.until(4.0).events(Cart::NEAR);
+    let gate = events.next().unwrap().unwrap().state;
+    for bad in [State::new(gate.t, [f64::NAN], [1.0]), State { t: f64::INFINITY, ..gate }] {
+        events.restart(bad);
+        assert_eq!(*events.state(), gate);
+        assert!(matches!(events.next(), Some(Err(Failure::StateNotFinite { .. }))));
+        assert!(events.next().is_none());
+    }
+    events.restart(State { qd: [2.0].into(), ..gate });
+    assert!(events.next().is_none());
+    assert_eq!(cart.state().t, 4.0);
+    let end = gate.q[0] + 2.0 * (4.0 - gate.t);
+    assert!((cart.state().q[0] - end).abs() < 1e-12, "{} for {end}", cart.state().q[0]);
+}
+
+/// Nor does time go back to the end of a run that is restarted beyond it.
+#[test]
+fn a_restart_beyond_the_end_is_told() {
+    let (system, start) = (Cart::new(), State::new(0.0, [0.0], [1.0]));
+    let beyond = State::new(5.0, [2.0], [1.0]);
+    let run = || integrate(&system, Dop853, PiController::tolerance(1e-12), start).until(4.0);
+    let mut events = run().events(Cart::NEAR);
+    events.next().unwrap().unwrap();
+    events.restart(beyond);
+    assert!(matches!(events.next(), Some(Err(Failure::TimeGoesBack { .. }))));
+    let mut ended = run();
+    ended.run_to_end().unwrap();
+    ended.restart(beyond);
+    let back = ended.clone().final_state().unwrap_err().failure;
+    assert_eq!(back, Failure::TimeGoesBack { t: 5.0, end: 4.0 });
+    assert!((ended.until(6.0).final_state().unwrap().q[0] - 3.0).abs() < 1e-14);
+}

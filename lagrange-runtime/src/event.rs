@@ -279,7 +279,6 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
     /// were not reported yet are reported after the restart, if the motion from `state` still crosses them. A state
     /// from which no motion begins is the failure of the next step; a stepper keeps the state that it had.
     pub fn restart(&mut self, state: State<Number<D, N>, N>) {
-        self.run.return_to_end();
         self.run.restart(state);
         self.step = None;
         self.stage = Stage::Between;

@@ -629,6 +629,7 @@ where
     /// A state from which no motion begins is told by the next step, and the stepper keeps its own.
     fn restart(&mut self, state: State<Sys::Scalar, N>) {
         let begun = self.stepper.begun(state);
+        self.step_end = None;
         self.failure = begun.err();
         if let Ok(state) = begun {
             self.stepper.goes_on_from(state);
