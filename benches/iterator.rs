@@ -115,7 +115,7 @@ where
     run.statistics()
 }
 
-/// As many evaluations, each waiting for the one before.
+/// Makes as many evaluations, each waiting for the one before.
 fn chain<Sys: System<N, Scalar = f64>, const N: usize>(
     system: &Sys,
     start: &State<f64, N>,

@@ -110,7 +110,7 @@ fn points(chain: &Chain, at: &State<f64, DIM>) -> Vec<(f64, f64)> {
     std::iter::once((at.q[0], 0.0)).chain(x.iter().copied().zip(y.iter().copied())).collect()
 }
 
-/// How far s is from a root of L′ₙ(s) − μ Lₙ(s), relatively, by one step of Newton's iteration. The derivatives
+/// Relative distance of s from a root of L′ₙ(s) − μ Lₙ(s), by one step of Newton's iteration. The derivatives
 /// follow from s L′ₙ = n (Lₙ − Lₙ₋₁) and s L″ₙ = (s − 1) L′ₙ − n Lₙ (Abramowitz and Stegun 1964, 22.8.6, 22.6.15).
 fn off(s: f64, mu: f64) -> f64 {
     let n = LINKS as f64;

@@ -224,7 +224,7 @@ struct Arguments {
     /// Number of shots
     #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = value_parser!(u64).range(1000..))]
     samples: u64,
-    /// Which random numbers
+    /// Seed of the random numbers
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
     /// Tolerance of a step, absolute and relative
@@ -338,7 +338,7 @@ fn quantiles(miss: &Sketch) -> Table {
     table
 }
 
-/// Which tolerance decides, along and across the range.
+/// Table of the effect of each tolerance, along and across the range.
 fn table(all: &Covariances<{ COUNT + 2 }>, bins: &Bins) -> Table {
     let mut table = Table::new();
     table.load_style(presets::ASCII_MARKDOWN);

@@ -153,7 +153,7 @@ fn flown(quadrotor: Quadrotor, start: At) -> Result<Vec<(At, [f64; 4])>, Failure
     Ok(motion)
 }
 
-/// As seen from the front, from a little above.
+/// The place in a picture as seen from the front, from a little above.
 fn seen(at: Vec3) -> (f64, f64) {
     let (turn, tilt) = (0.35_f64, 0.45_f64);
     let across = at.x * turn.cos() + at.y * turn.sin();

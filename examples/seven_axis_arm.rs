@@ -131,7 +131,7 @@ fn points(arm: &Arm, s: &State<f64, 7>) -> [[f64; 3]; 5] {
     ]
 }
 
-/// As seen from the front right, from a little above.
+/// The place in a picture as seen from the front right, from a little above.
 fn seen([x, y, z]: [f64; 3]) -> (f64, f64) {
     let (turn, tilt) = (0.6_f64, 0.35_f64);
     let across = -x * turn.sin() + y * turn.cos();

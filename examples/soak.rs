@@ -146,7 +146,7 @@ const STARTS: u32 = 32;
 /// units of that of its values.
 type Errors = Vec<(String, Vec<(f64, f64)>)>;
 
-/// Those of the energy and of the momenta of ignorable coordinates, over all starts, and in each over the first ten
+/// Errors of the energy and of the momenta of ignorable coordinates, over all starts, and in each over the first ten
 /// spans of a length, one after the other: single walks scatter too much to tell a drift from.
 fn walk<Sys: Analytic<N, Scalar = f64> + Energies<N> + Lagrangian<N> + Sync, const N: usize>(
     system: &Sys,
@@ -267,7 +267,7 @@ fn periods(count: u64, names: &[String]) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// How a sample is made to fail.
+/// Mistake by which a sample is made to fail.
 #[derive(Clone, Copy, PartialEq, Debug)]
 enum Injected {
     Nothing,

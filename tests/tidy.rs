@@ -51,12 +51,12 @@ fn texts(folder: &str) -> BTreeMap<String, String> {
     found
 }
 
-/// Those without comments.
+/// The sources below a folder, without comments.
 fn sources(folder: &str) -> BTreeMap<String, String> {
     texts(folder).into_iter().map(|(name, text)| (name, code(&text))).collect()
 }
 
-/// Those that are no programs with mistakes.
+/// The sources below a folder that are no programs with mistakes.
 fn prose(folder: &str) -> impl Iterator<Item = (String, String)> {
     texts(folder).into_iter().filter(|(name, _)| !name.contains("ui/"))
 }
@@ -527,7 +527,26 @@ fn the_gallery_shows_each_example() {
 }
 
 /// Words with which a clause without a subject begins.
-const HEADLESS: [&str; 6] = ["By", "Of", "So many", "What", "Where", "Whether"];
+const HEADLESS: [&str; 18] = [
+    "As",
+    "At which",
+    "By",
+    "For which",
+    "How",
+    "Of",
+    "On which",
+    "So many",
+    "That of",
+    "That on",
+    "That which",
+    "Those",
+    "What",
+    "When",
+    "Where",
+    "Whether",
+    "Which",
+    "Why",
+];
 
 /// First lines of documentation that begin with one of `HEADLESS`, with their places.
 fn headless(folder: &str) -> Vec<String> {

@@ -359,12 +359,12 @@ fn with_a_closed_form(arguments: &Arguments, half_width: f64) -> Result<(), Box<
     Ok(())
 }
 
-/// When tilts are kept.
+/// Time at which tilts are kept.
 fn time(k: usize) -> f64 {
     END * k as f64 / (TIMES - 1) as f64
 }
 
-/// How the moment of waking goes with each dimension.
+/// Table of the dependence of the moment of waking on each dimension.
 fn table(woken: &Covariances<{ DIMENSIONS.len() + 1 }>) -> Table {
     let mut table = Table::new();
     table.load_style(presets::ASCII_MARKDOWN);

@@ -12,7 +12,7 @@ pub struct Arguments {
     /// Number of tops; with --confidence the most that are computed
     #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = value_parser!(u64).range(2..))]
     pub samples: u64,
-    /// Which random numbers
+    /// Seed of the random numbers
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     pub seed: u64,
     /// Tolerance of a step, absolute and relative

@@ -25,7 +25,7 @@ pub struct Limit {
     pub measured: Measured,
 }
 
-/// How a method's steps end.
+/// Measured limit of a method's steps.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Measured {
     /// Motions grow from this step on; 0: at the smallest step tried.
@@ -73,7 +73,7 @@ const FAST: f64 = 39.97498435543818;
 /// A matrix of one step, by columns `(q, q̇)`.
 type Matrix = [[f64; 2]; 2];
 
-/// How much the largest eigenvalue exceeds 1.
+/// Excess of the largest eigenvalue over 1.
 fn excess([[a, c], [b, d]]: Matrix) -> f64 {
     let (trace, det) = (a + d, a * d - b * c);
     let root = 0.25 * trace * trace - det;

@@ -73,7 +73,7 @@ pub struct Row {
     pub bound: f64,
     /// True if there is a time after which there is no solution.
     pub singular: bool,
-    /// Which failures a run may end in.
+    /// True for failures that a run may end in.
     pub expected: fn(&Failure) -> bool,
     pub cells: Cells,
 }
@@ -97,7 +97,7 @@ struct Scene<Sys, const N: usize> {
     judge: Judge<N>,
     /// Time at which the solution ends to exist: only a failure is right.
     singular: Option<f64>,
-    /// Which failures a run may end in.
+    /// True for failures that a run may end in.
     expected: fn(&Failure) -> bool,
 }
 
@@ -270,7 +270,7 @@ impl<Sys: LegendreTransform<N, Scalar = f64> + Conservative<N>, const N: usize> 
     }
 }
 
-/// How far the energy is from that of the start, in units of `scale`.
+/// Distance of the energy from that of the start, in units of `scale`.
 fn energy<Sys, const N: usize>(system: Sys, start: State<f64, N>, scale: f64) -> Watch<N>
 where
     Sys: Energies<N, Scalar = f64> + 'static,
@@ -529,7 +529,7 @@ fn fall(u: f64) -> Scene<Kepler, 2> {
     }
 }
 
-/// As a point in space it is the plane pendulum, but for O(p_φ).
+/// The plane pendulum as a point in space, but for O(p_φ).
 fn spherical(spin: f64, u: f64) -> Scene<Spherical, 2> {
     let (angle, end) = (1.0 + 0.3 * u, 5.0);
     let start = State::new(0.0, [angle, 0.0], [0.0, spin / angle.sin().powi(2)]);
@@ -770,7 +770,7 @@ fn inverse_ratio(u: f64) -> Scene<DoublePendulum, 2> {
 /// Digits of the motions that follow: Taylor series of order 40 in numbers of 170 bits to a tolerance of 1e-36.
 pub const DIGITS: &str = "digits of a Taylor run with 170 bits";
 
-/// How far an end is from the digits that it should have.
+/// Distance of an end from the digits that it should have.
 fn digits<const N: usize>(q: [f64; N], qd: [f64; N]) -> Judge<N> {
     Box::new(move |at, _| {
         let difference = |a: f64, b: f64| (a - b).abs();

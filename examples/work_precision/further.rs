@@ -69,7 +69,7 @@ lagrangian! {
 const ATLAS: &str =
     "30 digits, by Taylor series of order 44 and by extrapolation (benches/references/atlas.py)";
 
-/// As [`kepler`], on a long ellipse: the speed at the pericentre is 39 times that at the apocentre.
+/// Variant of [`kepler`] on a long ellipse: the speed at the pericentre is 39 times that at the apocentre.
 pub fn eccentric() -> Result<Problem<Kepler, 2>, Box<dyn Error>> {
     let (q, qd) = ([0.05, 0.0], [0.0, 39f64.sqrt()]);
     let orbit = KeplerOrbit::from_cartesian(1.0, q, qd).ok_or("not an ellipse")?;

@@ -84,7 +84,7 @@ impl<Sys: Conservative<N, Scalar = f64>, const N: usize> Problem<Sys, N> {
 }
 
 impl<Sys, const N: usize> Problem<Sys, N> {
-    /// How far a final state is off: the largest difference in any coordinate or velocity, each in units of its largest
+    /// Error of a final state: the largest difference in any coordinate or velocity, each in units of its largest
     /// magnitude along the motion.
     pub fn error(&self, end: &State<f64, N>) -> f64 {
         let off = end.minus(&self.end);

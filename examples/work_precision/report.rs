@@ -193,7 +193,7 @@ pub fn long_csv<Sys, const N: usize>(long: &Long<Sys, N>, drifts: &[Drift]) -> S
     csv
 }
 
-/// As the library wants it.
+/// The record as the library wants it.
 fn run(record: &Record) -> MeasuredRun {
     MeasuredRun {
         method: record.method.into(),

@@ -377,7 +377,7 @@ struct Value {
     expected: f64,
     /// The value of the interpreter, unless the runtime alone works it out.
     found: Option<f64>,
-    /// How far apart they may be.
+    /// Largest admitted difference of the two.
     granted: f64,
     /// Condition number of the bordered inertia.
     condition: f64,
@@ -437,7 +437,7 @@ impl Tally {
         }
     }
 
-    /// How things stand; what is printed last is the result of a run that does not come to its end.
+    /// The state of the tally; what is printed last is the result of a run that does not come to its end.
     fn said(&self) -> String {
         let Tally { systems, values, uncertain, degenerate, kinds, failed, worst, largest } = self;
         let kinds: Vec<String> = kinds.iter().map(|(kind, n)| format!("{kind}: {n}")).collect();

@@ -126,7 +126,7 @@ pub fn whole<'a>(mut data: impl Iterator<Item = (&'a Ident, &'a Data)>) -> Token
 
 /// The fields that nobody declares.
 pub struct Hidden {
-    /// That of the data which functions have in lanes, if there are any.
+    /// The field of the data which functions have in lanes, if there are any.
     pub in_lanes: Option<Ident>,
     /// The marker of a system without parameters, in which the scalar would be unused, with its value.
     pub marker: Option<TokenStream>,

@@ -48,7 +48,7 @@ pub struct Coordinate {
     pub name: Ident,
     /// Position in its array.
     pub index: Option<usize>,
-    /// Which of the three of a rotation it is.
+    /// Position among the three parameters of its rotation.
     pub part: Option<usize>,
     pub kind: Kind,
 }
@@ -107,7 +107,7 @@ pub struct Binding {
 pub struct Observed {
     pub attributes: Vec<Attribute>,
     pub name: Ident,
-    /// Those of a matrix by columns.
+    /// Values, of a matrix by columns.
     pub values: Vec<Value>,
     pub layout: Layout,
 }
@@ -173,7 +173,7 @@ pub struct Model {
     pub visibility: Visibility,
     pub name: Ident,
     pub parameters: Vec<Parameter>,
-    /// Those of the energies, then those of the states.
+    /// Coordinates of the energies, then those of the states.
     pub coordinates: Vec<Coordinate>,
     pub states: Vec<FirstOrder>,
     pub attitudes: Vec<Attitude>,
@@ -213,7 +213,7 @@ pub struct Model {
     pub keywords: Keywords,
 }
 
-/// How a system came from another one, by removing ignorable coordinates.
+/// Derivation of a system from another one, by removing ignorable coordinates.
 pub struct Reduction {
     /// Name of the other.
     pub of: Ident,
@@ -249,14 +249,14 @@ impl Parameter {
 }
 
 impl Constraint {
-    /// As a reader would call it.
+    /// The name that a reader would use.
     pub fn label(&self) -> String {
         indexed(&self.name.to_string(), self.index)
     }
 }
 
 impl Coordinate {
-    /// As a reader would call it: `theta`, `x[2]`; of a rotation its three parameters.
+    /// The name that a reader would use: `theta`, `x[2]`; of a rotation its three parameters.
     pub fn label(&self) -> String {
         indexed(&self.whole(), self.part)
     }

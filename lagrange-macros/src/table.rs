@@ -77,11 +77,11 @@ pub enum Inlining {
     Forced,
     /// In other crates as well.
     Possible,
-    /// As the compiler sees fit.
+    /// Inlined as the compiler sees fit.
     Free,
 }
 
-/// How the values of a function come about.
+/// Computation of the values of a function.
 pub enum Computation {
     /// Computed by a straight line,
     Straight(Vec<Value>),

@@ -31,7 +31,7 @@ pub mod goal {
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub struct LongTime<S = f64>(pub S);
 
-    /// As [`Accuracy`], of a system that may have much faster rates than those of its motion.
+    /// Variant of [`Accuracy`] for a system that may have much faster rates than those of its motion.
     ///
     /// It has to be said: what the compiler proves holds for all parameters, and none makes a system stiff; and the
     /// rates at the start, which a Jacobian would tell, say nothing about later ones. A run by `Accuracy` of a stiff
@@ -425,13 +425,13 @@ where
     C: Method<Sys, N>,
     D: Controller<S, N, C::Error>,
 {
-    /// As [`Run::until`].
+    /// Sets the end, as [`Run::until`] does.
     #[must_use]
     pub fn until(self, end: S) -> Self {
         each!(self, run => RecommendedRun(run.until(end)))
     }
 
-    /// As [`Run::max_steps`].
+    /// Limits the number of steps, as [`Run::max_steps`] does.
     #[must_use]
     pub fn max_steps(self, max_steps: u64) -> Self {
         each!(self, run => RecommendedRun(run.max_steps(max_steps)))
@@ -447,7 +447,7 @@ where
         each!(self, run => run.statistics())
     }
 
-    /// As [`Run::final_state`].
+    /// Runs to the end and gives the state there, as [`Run::final_state`] does.
     ///
     /// # Errors
     /// The failure that ended the run, or [`Failure::BadEnd`] without an end.
@@ -455,7 +455,7 @@ where
         each!(self, run => run.final_state())
     }
 
-    /// As [`Run::run_to_end`].
+    /// Runs to the end, as [`Run::run_to_end`] does.
     ///
     /// # Errors
     /// As [`final_state`](Self::final_state).
@@ -468,7 +468,7 @@ where
         each!(self, run => Each(run.map(|step| step.map(|step| step.to))))
     }
 
-    /// As [`Run::sample`].
+    /// The states at given times, by [`Run::sample`].
     pub fn sample<T: IntoIterator<Item = S>>(
         self,
         times: T,
@@ -476,12 +476,12 @@ where
         each!(self, run => Each(run.sample(times)))
     }
 
-    /// As [`Run::sample_evenly`].
+    /// The states at equally spaced times, by [`Run::sample_evenly`].
     pub fn sample_evenly(self, n: u32) -> impl Iterator<Item = Result<State<S, N>, Failure<S>>> {
         each!(self, run => Each(run.sample_evenly(n)))
     }
 
-    /// As [`Run::events`], to the first terminal event.
+    /// The events up to the first terminal one, by [`Run::events`].
     pub fn events<E: EventSet<Sys, N, K>, const K: usize>(
         self,
         events: E,

@@ -32,14 +32,14 @@ pub enum Verdict {
 /// Verdicts on steps side by side. (Fields of their own, so that the optimiser sees vectors in them.)
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Verdicts<const L: usize> {
-    /// Which of them are good.
+    /// True for each step that is good.
     pub accepted: [bool; L],
     /// The next step or trial over this one.
     pub factor: [f64; L],
 }
 
 impl Verdicts<1> {
-    /// That on the only one.
+    /// The verdict on the only step.
     #[inline(always)]
     fn only(self) -> Verdict {
         let Verdicts { accepted: [accepted], factor: [factor] } = self;
@@ -126,7 +126,7 @@ pub trait ErrorEstimate<S: Scalar, const N: usize> {
 
 /// The square of a norm. (No closure: one that is not inlined is compiled for the least processor, and lanes with it.)
 pub trait SquareNorm<S: Scalar, R: Scalar, const N: usize> {
-    /// That of an error.
+    /// The square of the norm of an error.
     fn of(&self, error: &Tangent<S, N>) -> R;
 
     /// Lower bound of the square of the error of a step of order 8, over the square of an estimate of order 3.

@@ -85,10 +85,10 @@ pub struct DataInLanes<D>(Vec<D>);
 pub struct DataInLanes<D>(core::marker::PhantomData<D>);
 
 impl<D: Clone> DataInLanes<D> {
-    /// That of a system alone.
+    /// Data of a system alone.
     #[cfg(feature = "std")]
     pub const NONE: Self = DataInLanes(Vec::new());
-    /// That of a system alone.
+    /// Data of a system alone.
     #[cfg(not(feature = "std"))]
     pub const NONE: Self = DataInLanes(core::marker::PhantomData);
 

@@ -35,7 +35,7 @@ impl<S: fmt::Debug, const N: usize> fmt::Display for Failed<S, N> {
     }
 }
 
-/// As an error that `main` returns is printed.
+/// Text that is printed if `main` returns the error.
 impl<S: fmt::Debug, const N: usize> fmt::Debug for Failed<S, N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: {self}", self.failure.name())

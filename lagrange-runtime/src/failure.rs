@@ -34,22 +34,22 @@ impl fmt::Display for EventName {
     }
 }
 
-/// Why a step could not be made, without where. It is what a [`Failure::StepSizeUnderflow`] remembers of its last step.
+/// Cause of a failed step, without its place. It is what a [`Failure::StepSizeUnderflow`] remembers of its last step.
 #[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum Cause {
-    /// As [`Failure::NonFinite`].
+    /// [`Failure::NonFinite`].
     NonFinite,
-    /// As [`Failure::SingularInertia`].
+    /// [`Failure::SingularInertia`].
     SingularInertia(Coordinate),
-    /// As [`Failure::NotConverged`], after this many iterations.
+    /// [`Failure::NotConverged`], after this many iterations.
     NotConverged(u32),
-    /// As [`Failure::SingularStep`].
+    /// [`Failure::SingularStep`].
     SingularStep(Coordinate),
-    /// As [`Failure::InvariantLost`].
+    /// [`Failure::InvariantLost`].
     InvariantLost,
-    /// As [`Failure::ConstraintViolated`], of the constraint of this name.
+    /// [`Failure::ConstraintViolated`], of the constraint of this name.
     ConstraintViolated(&'static str),
     /// [`Failure::ConstraintDrift`] from the constraint of this name.
     ConstraintDrift(&'static str),
@@ -130,8 +130,8 @@ impl fmt::Display for Requirement {
     }
 }
 
-/// Why a run or a step ended before its end. Its text is a sentence that ends in what to try next; `t` is where the
-/// failed step began and `h` its size.
+/// Reason why a run or a step ended before its end. Its text is a sentence that ends in what to try next; `t` is where
+/// the failed step began and `h` its size.
 ///
 /// ```
 /// use lagrange_runtime::Failure;
@@ -148,7 +148,7 @@ pub enum Failure<S = f64> {
         t: S,
         /// Step size.
         h: S,
-        /// Why the last step that was tried could not be made; `None` if its estimated error was too large.
+        /// Cause of the failure of the last step that was tried; `None` if its estimated error was too large.
         cause: Option<Cause>,
     },
     /// A coordinate, velocity or acceleration became infinite or not a number.
@@ -741,7 +741,7 @@ impl<S> Failure<S> {
         }
     }
 
-    /// Why a step could not be made, of those failures that a shorter step may mend.
+    /// Cause of a step that could not be made, of those failures that a shorter step may mend.
     pub fn cause(&self) -> Option<Cause> {
         Some(match self {
             Failure::StepSizeUnderflow { cause, .. } => return *cause,

@@ -311,7 +311,7 @@ pub struct Step<Sys: System<N>, M: Method<Sys, N>, const N: usize> {
     pub error: M::Error,
     /// Values of which its interpolant is made.
     pub stages: M::InterpolantData,
-    /// How often the equations of motion were evaluated.
+    /// Number of evaluations of the equations of motion.
     pub evaluations: u32,
 }
 

@@ -52,7 +52,7 @@ where
         self.observe_to_end(observer)
     }
 
-    /// As [`observe`](Self::observe), with the cost of the run.
+    /// Variant of [`observe`](Self::observe) that also returns the cost of the run.
     #[cfg(feature = "ensemble")]
     pub(crate) fn observe_with_cost<W: Observer<Sys, N>>(
         mut self,

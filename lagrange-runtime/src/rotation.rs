@@ -5,7 +5,7 @@ use crate::scalar::Real;
 use core::fmt;
 use nalgebra::{Quaternion, Unit, UnitQuaternion};
 
-/// Why a matrix is no rotation.
+/// Reason why a matrix is no rotation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum NotARotation {
     /// Its rows are not of unit length and perpendicular to each other: the largest element of `R Rᵀ − 1`.

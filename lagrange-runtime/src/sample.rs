@@ -135,7 +135,7 @@ pub struct Samples<D: Drive<N>, T, const N: usize> {
     dense: Option<<D::Method as Method<D::System, N>>::Interpolant>,
     previous: Number<D, N>,
     first: bool,
-    /// Why there can be no samples.
+    /// The failure for which there can be no samples.
     refused: Option<Failure<Number<D, N>>>,
     failed: bool,
 }

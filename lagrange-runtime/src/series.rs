@@ -267,7 +267,7 @@ impl<S: Scalar, const F: usize, const K: usize> Factors<S, F, K> {
         self.of.push(*of);
     }
 
-    /// Those of order 1, once they are such of products (from order 3 on), and of the order before k.
+    /// Coefficients of order 1, once they are factors of products (from order 3 on), and of the order before k.
     #[inline(always)]
     pub fn ends(&self, k: usize) -> [&[S; F]; 2] {
         let of = self.of.written();
@@ -276,7 +276,7 @@ impl<S: Scalar, const F: usize, const K: usize> Factors<S, F, K> {
         [first, last]
     }
 
-    /// As [`Products::middle`], of these pairs, in blocks. Each order is looked up once for several of them.
+    /// Variant of [`Products::middle`] for these pairs, in blocks. Each order is looked up once for several of them.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn products<const P: usize, const C: usize, const B: usize>(
         &self,
@@ -316,7 +316,7 @@ impl<S: Scalar, const F: usize, const K: usize> Factors<S, F, K> {
         sums
     }
 
-    /// As [`Squares::middle`], of these factors, in blocks.
+    /// Variant of [`Squares::middle`] for these factors, in blocks.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn squares<const P: usize, const C: usize, const B: usize>(
         &self,

@@ -66,7 +66,7 @@ pub trait System<const N: usize> {
     #[doc(hidden)]
     const CONSTRAINTS: usize = 0;
 
-    /// How far constraints are from being dependent at `at`: `sin² α` of the smallest angle between the gradient of
+    /// Distance of the constraints from being dependent at `at`: `sin² α` of the smallest angle between the gradient of
     /// one and the span of the others.
     #[doc(hidden)]
     #[cold]
@@ -115,7 +115,7 @@ pub trait System<const N: usize> {
         Ok(())
     }
 
-    /// How a motion begins near a position at which constraints are dependent, if its velocity tells on which branch;
+    /// Beginning of a motion near a position at which constraints are dependent, if its velocity tells on which branch;
     /// `None` elsewhere.
     #[doc(hidden)]
     #[cold]

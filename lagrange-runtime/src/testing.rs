@@ -122,7 +122,7 @@ where
     failed.map_or(Ok(measured), Err)
 }
 
-/// How far one step of size `h` is from symplectic: the largest element of `DΦᵀ J DΦ − J`, where Φ maps (q, p) to
+/// Distance of a step of size `h` from a symplectic map: the largest element of `DΦᵀ J DΦ − J`, where Φ maps (q, p) to
 /// (q, p) and `J = (0, 1; −1, 0)`. The derivative is exact, by dual numbers, so the system has to compute with these:
 /// `symplecticity_defect(&Pendulum { l: Dual::constant(1.0), … }, …)`. Symplectic methods give rounding.
 pub fn symplecticity_defect<Sys, M, const N: usize>(
@@ -188,7 +188,7 @@ where
     Ok(drift)
 }
 
-/// How far the functions of a Lagrangian system are from agreeing with each other at a state: the largest of
+/// Disagreement of the functions of a Lagrangian system with each other at a state: the largest of
 /// `M q̈ + b − f`, `p − M q̇` (where L is quadratic and homogeneous enough for it) and `velocities(p) − q̇`.
 pub fn inconsistency<Sys, const N: usize>(system: &Sys, at: &State<Sys::Scalar, N>) -> f64
 where

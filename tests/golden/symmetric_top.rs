@@ -255,7 +255,7 @@ impl UprightTop {
         [jacobian.q[(0, 0)], jacobian.qd[(1, 0)]]
     }
 
-    /// How far `λ = growth + i·frequency` is from being an eigenvalue of small tilts, in proportion to its terms.
+    /// Distance of `λ = growth + i·frequency` from being an eigenvalue of small tilts, in proportion to its terms.
     fn misses(&self, growth: f64, frequency: f64) -> f64 {
         let rest = SVector::from([0.0, 0.0]);
         let jacobian = self.jacobian(&rest, &rest, 0.0);

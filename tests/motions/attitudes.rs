@@ -83,7 +83,7 @@ fn quaternion([w, x, y, z]: [f64; 4]) -> UnitQuaternion<f64> {
     UnitQuaternion::new_unchecked(nalgebra::Quaternion::new(w, x, y, z))
 }
 
-/// How far from the closed form a run is at its end: its attitude, its angular velocity, its energy and its angular
+/// Distance of a run from the closed form at its end: of its attitude, its angular velocity, its energy and its angular
 /// momentum in space.
 fn missed<M, C>(method: M, controller: C, of: &Known) -> [f64; 4]
 where

@@ -61,7 +61,7 @@ fn pendulum_energy(
     (first, stretches)
 }
 
-/// Which points of the motion steps meet, and so how large the error at them is, changes over many periods. But from
+/// The points of the motion that steps meet, and so the size of the error at them, change over many periods. But from
 /// the first thousand on it is the same: bounded, without drift.
 #[test]
 fn the_energy_of_a_pendulum_is_kept_over_a_hundred_thousand_periods() {

@@ -422,7 +422,7 @@ lagrangian! {
 }
 
 lagrangian! {
-    /// As many coordinates as `Spatial`, of other names.
+    /// A system of as many coordinates as `Spatial`, of other names.
     system Other {
         coord x, y, z, w;
         T = 0.5 * (dot(x).powi(2) + dot(y).powi(2) + dot(z).powi(2) + dot(w).powi(2));

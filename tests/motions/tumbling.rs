@@ -137,7 +137,7 @@ fn craft_start() -> (State<f64, 4>, SVector<f64, 8>) {
     (at, SVector::from([q.w, q.i, q.j, q.k, omega.x, omega.y, omega.z, 0.1]))
 }
 
-/// How far attitude, angular velocity and current of a state are from those by hand.
+/// Distance of attitude, angular velocity and current of a state from those by hand.
 fn missed(at: &State<f64, 4>, y: &SVector<f64, 8>) -> f64 {
     let omega = craft().angular_velocity_R(at) - Vec3::new(y[4], y[5], y[6]);
     apart(&craft().attitude_R(at), [y[0], y[1], y[2], y[3]]).max(omega.amax()).max((at.qd[3] - y[7]).abs())

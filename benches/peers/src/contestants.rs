@@ -20,7 +20,7 @@ pub enum Class {
 pub struct Contestant<Sys, const N: usize> {
     pub name: &'static str,
     pub ours: bool,
-    /// Those of one class are compared.
+    /// Class within which contestants are compared.
     pub class: Class,
     pub run: Run<Sys, N>,
 }

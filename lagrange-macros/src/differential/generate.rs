@@ -191,7 +191,7 @@ pub struct System {
     pub observed: Vec<Expr>,
     /// A coordinate appears nowhere but in rates, and a reduced system is asked for.
     pub ignorable: bool,
-    /// How the system is written, if by frames and bodies: then bindings, T, V, D, forces, constraints, impulses and
+    /// The system by frames and bodies, if it is written so: then bindings, T, V, D, forces, constraints, impulses and
     /// what is observed are what that amounts to, and are not written.
     pub frames: Option<Frames>,
 }

@@ -254,12 +254,12 @@ impl Reference<'_> {
         point
     }
 
-    /// As it moves in one direction.
+    /// The state as it moves in one direction.
     fn sloped<T: Noisy>(&self, at: &State<T>, along: Along<T>) -> Point<Dual<T>> {
         self.placed(at, [along], |value, [slope]| Dual::new(value, slope))
     }
 
-    /// As it moves in two.
+    /// The state as it moves in two directions.
     fn point<T: Noisy>(&self, at: &State<T>, one: Along<T>, two: Along<T>) -> Point<HyperDual<T>> {
         self.placed(at, [one, two], |value, [one, two]| HyperDual::new(value, one, two, T::zero()))
     }

@@ -1,4 +1,4 @@
-//! How much a result moves when the result of every operation is moved a little: stochastic arithmetic (Vignes 2004),
+//! Change of a result when the result of every operation is moved a little: stochastic arithmetic (Vignes 2004),
 //! as a measure of the rounding error that a computation in floating point must be granted.
 
 use super::generate::Random;

@@ -247,7 +247,7 @@ fn restriction(d: &Derived, writer: &Writer) -> Vec<String> {
     lines
 }
 
-/// As it is or multiplied out, whichever is shortest in print.
+/// The value as it is or multiplied out, whichever is shortest in print.
 fn readable(g: &mut Graph, model: &Model, value: Value) -> Value {
     let expanded = EXPANSIONS.map(|how| g.expanded(&[value], MAX_SHOWN_TERMS, how));
     let writer = Writer::new(g, model);

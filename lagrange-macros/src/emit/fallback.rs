@@ -43,7 +43,7 @@ pub fn fallback(definition: &Definition) -> TokenStream {
     quote!(#system #reduced #(#submodels)*)
 }
 
-/// As many coordinates are left as the statement says; where it says too little, any number.
+/// A system of as many coordinates as the statement leaves; where it says too little, of any number.
 fn restricted(
     runtime: &TokenStream,
     whole: &Header,
@@ -101,8 +101,8 @@ fn restricted(
     }
 }
 
-/// Which coordinates are ignorable is not known: it may have a momentum for each, and any number of coordinates. What
-/// `reduce` gives has as many as there were, so that the compiler need not ask for their number.
+/// A system that may have a momentum for each coordinate, and any number of coordinates: which are ignorable is not
+/// known. What `reduce` gives has as many as there were, so that the compiler need not ask for their number.
 fn routhian(
     runtime: &TokenStream,
     whole: &Header,
@@ -623,7 +623,7 @@ fn first_of_a_name<'a>(all: impl IntoIterator<Item = &'a Declaration>) -> Vec<&'
     first
 }
 
-/// How many coordinates the system has, if that can be read off.
+/// Number of coordinates of the system, if it can be read off.
 fn coordinates(statements: &[Statement]) -> Option<usize> {
     if statements.iter().any(|s| matches!(s, Statement::Unread(_))) {
         return None;

@@ -59,7 +59,7 @@ impl<'a> Writer<'a> {
         format!("<math>{}</math>", self.symbol(Symbol::Multiplier(j)))
     }
 
-    /// How long a formula is, in characters of its markup.
+    /// Length of a formula, in characters of its markup.
     pub fn length(&self, value: Value) -> usize {
         self.sum(value, &mut MAX_ELEMENTS.clone()).map_or(usize::MAX, |text| text.len())
     }

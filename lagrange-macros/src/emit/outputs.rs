@@ -11,7 +11,7 @@ use proc_macro2::{Ident, Span, TokenStream};
 use quote::{ToTokens, format_ident, quote};
 use std::ops::Range;
 
-/// How types of the table are written where a system stands.
+/// Notation of the types of the table where a system stands.
 pub struct Types<'a> {
     pub runtime: &'a TokenStream,
     /// Lengths as generic arguments.

@@ -24,7 +24,7 @@ use crate::model::frames::{Frames, Motion};
 /// A system for the pull-back: some bindings, and energies and forces in terms of them.
 pub struct Form {
     pub coordinates: usize,
-    /// Those before the coordinates of the states.
+    /// Number of coordinates before those of the states.
     pub mechanical: usize,
     /// φ and φ̇ of each binding, in terms of earlier ones.
     pub bindings: Vec<[Value; 2]>,

@@ -51,7 +51,7 @@ pub enum Order {
     Dual,
 }
 
-/// Those that cost least in most systems come first.
+/// Orders of elimination; those that cost least in most systems come first.
 pub const ORDERS: [Order; 3] = [Order::Dual, Order::Leaves, Order::Degree];
 
 /// The system as it was before elimination, and what elimination found.
@@ -407,7 +407,8 @@ impl Front {
         all
     }
 
-    /// How many these are. Without optimisation a set of them would take most of the time of an elimination.
+    /// Number of unknowns that one of these couples to, but for themselves. Without optimisation a set of them would
+    /// take most of the time of an elimination.
     fn degree(&self, x: usize, with: Option<usize>) -> usize {
         let others = |i: usize| self.matrix[i].len() - usize::from(self.matrix[i].contains_key(&i));
         let Some(y) = with else { return others(x) };
@@ -527,7 +528,7 @@ impl Front {
         Some(())
     }
 
-    /// How late an unknown is eliminated, if it may be now.
+    /// Rank of an unknown in the order of elimination, if it may be eliminated now.
     fn key(&self, order: Order, x: usize) -> Option<[usize; 3]> {
         if !self.alive[x] {
             return None;

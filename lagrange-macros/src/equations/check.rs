@@ -321,7 +321,7 @@ fn singular_at(g: &Graph, m: &Symmetric, trial: u64) -> Option<Option<usize>> {
     Some(None)
 }
 
-/// Which row of the lower triangle `a` from the first on depends on the others? The last that complete pivoting leaves.
+/// Row of the lower triangle `a` from the first on that depends on the others: the last that complete pivoting leaves.
 fn undetermined(a: &[Vec<f64>], first: usize) -> Option<usize> {
     let mut rest: Vec<usize> = (first..a.len()).collect();
     let mut b: Vec<Vec<f64>> =

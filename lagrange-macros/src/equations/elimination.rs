@@ -1,4 +1,4 @@
-//! Which way of solving the equations for the accelerations costs least? All are tried, and counted.
+//! Choice of the cheapest way of solving the equations for the accelerations. All are tried, and counted.
 
 use super::assemble::Unreduced;
 use super::augmented::{Factors, ORDERS, factors};
@@ -30,7 +30,7 @@ pub struct Eliminated {
     pub tried: Vec<Candidate>,
 }
 
-/// How it is solved for any right-hand side.
+/// Solver of the bordered system for any right-hand side.
 #[derive(Clone)]
 pub enum Solver {
     /// Elimination by the pivots of the matrix itself,

@@ -18,7 +18,7 @@ pub struct Quantities {
     pub power: Value,
     /// The user's, in their order.
     pub observed: Vec<Vec<Value>>,
-    /// Those under constraints that depend on accelerations and multipliers, by these.
+    /// The user's under constraints, by accelerations and multipliers, if they depend on these.
     pub by_motion: Vec<Option<Vec<Value>>>,
     /// Generalized impulses of those that act at points, by points.
     pub impulses: Vec<Vec<Value>>,

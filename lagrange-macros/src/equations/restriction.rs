@@ -15,7 +15,7 @@ use crate::diagnostics::Errors;
 use crate::graph::{Graph, Symbol, Value};
 use crate::model::submodel::{Change, Hold, Submodel};
 
-/// How far the two systems may differ at a state of random numbers, in parts of the larger one.
+/// Admitted difference of the two systems at a state of random numbers, in parts of the larger one.
 const TOLERANCE: f64 = 1e-7;
 
 /// Refuses a restriction whose set is not proved to be invariant.

@@ -116,9 +116,9 @@ fn is_velocity(s: Symbol) -> bool {
 enum Speed {
     /// All are 0.
     Rest,
-    /// Those of the ignorable coordinates are 0.
+    /// Velocities of the ignorable coordinates are 0.
     Kept,
-    /// Those of the ignorable coordinates are u.
+    /// Velocities of the ignorable coordinates are u.
     Driven,
 }
 
@@ -421,7 +421,7 @@ fn check(whole: &Derived, header: &Header, errors: &mut Errors) -> Option<()> {
     None
 }
 
-/// Why a coordinate is not ignorable.
+/// Reason why a coordinate is not ignorable.
 fn reason(whole: &Derived, i: usize) -> String {
     let label = whole.model.coordinates[i].label();
     let formed = &whole.equations.formed;

@@ -20,7 +20,7 @@ const NEXT_ORDERS: u32 = 2;
 pub struct Parts {
     pub lagrangian: Value,
     pub dissipation: Value,
-    /// Those that no potential and no dissipation gives, by coordinates.
+    /// Forces that no potential and no dissipation gives, by coordinates.
     pub forces: Vec<Value>,
 }
 
@@ -40,7 +40,7 @@ impl Parts {
         [&[self.lagrangian, self.dissipation][..], &self.forces].concat()
     }
 
-    /// Those that are not 0, with letters.
+    /// The parts that are not 0, with letters.
     pub fn named(&self) -> Vec<(&'static str, Value)> {
         let letters = ["L", "D"].into_iter().chain(std::iter::repeat("Q"));
         letters.zip(self.all()).filter(|(_, v)| !v.is_zero()).collect()

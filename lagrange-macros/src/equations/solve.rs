@@ -53,7 +53,7 @@ pub fn blocks(n: usize, coupled: impl Fn(usize, usize) -> bool) -> Vec<Vec<usize
     names.into_iter().map(|name| (0..n).filter(|i| block[*i] == name).collect()).collect()
 }
 
-/// How a block is solved.
+/// Plan of the elimination of a block.
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// Its indices, in the order of pivots.

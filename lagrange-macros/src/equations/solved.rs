@@ -27,7 +27,7 @@ pub struct Solved {
     /// The same in terms of q̈ and λ, as the equations of the relaxed coordinates have them.
     pub relaxed: Vec<Value>,
     pub operations: Operations,
-    /// How the bordered system is solved for any right-hand side.
+    /// Solver of the bordered system for any right-hand side.
     pub solver: Solver,
     /// All orders of elimination that have pivots, of the equations where they were written.
     pub orders: Vec<Rc<Factors>>,

@@ -4,7 +4,7 @@ use super::{arithmetic::agreed, input, solved};
 use crate::differential::LONG;
 use proc_macro2::{TokenStream, TokenTree};
 
-/// Which links, with unit masses and lengths or with parameters for them.
+/// Kind of links, with unit masses and lengths or with parameters for them.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Kind {
     /// A chain by the angles of the links with the vertical,

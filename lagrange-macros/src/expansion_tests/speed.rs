@@ -1,4 +1,4 @@
-//! How long the compiler takes, stage by stage. Macros are built without optimisation, so that is how it is measured:
+//! Time that the compiler takes, stage by stage. Macros are built without optimisation, so that is how it is measured:
 //! `CARGO_PROFILE_DEV_OPT_LEVEL=0 cargo test -p lagrange-macros speed -- --ignored --nocapture`.
 
 use super::chains::{Kind, links};

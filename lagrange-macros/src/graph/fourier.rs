@@ -32,7 +32,7 @@ impl Graph {
     }
 }
 
-/// Those of sinᵐα cosⁿα, by the products of sines and cosines with sin α and cos α.
+/// The coefficients of sinᵐα cosⁿα, by the products of sines and cosines with sin α and cos α.
 fn powers(m: i32, n: i32) -> Harmonics<Number> {
     let mut series = vec![[Number::ONE, Number::ZERO]];
     for factor in (0..m + n).map(|i| i < m) {

@@ -16,7 +16,7 @@ pub type Vector = [Value; 3];
 /// Rows of a matrix.
 pub type Matrix = [Vector; 3];
 
-/// How a binding moves.
+/// Kind of the motion of a binding.
 #[derive(Clone, Copy)]
 pub enum Motion {
     /// A position u = φ(q, t), with the rate φ̇.

@@ -79,7 +79,7 @@ impl Variation<'_> {
     }
 }
 
-/// How a system came from another one.
+/// Derivation of a system from another one.
 pub struct Origin {
     /// Name of the other.
     pub of: Ident,

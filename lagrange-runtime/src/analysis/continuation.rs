@@ -1,4 +1,4 @@
-//! How equilibria move, meet and branch when a parameter changes.
+//! Continuation of equilibria, which move, meet and branch when a parameter changes.
 //!
 //! Solutions z = (q, μ) of `F(q, μ) = b − f = 0` form curves, which are followed by pseudo-arclength: a step along
 //! the tangent, then Newton's method in the plane across it (Keller 1977; Govaerts, *Numerical Methods for

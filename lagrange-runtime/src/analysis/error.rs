@@ -1,9 +1,9 @@
-//! Why an analysis has no result.
+//! Reasons why an analysis has no result.
 
 use crate::failure::{Coordinate, Failure, variant};
 use std::fmt;
 
-/// Why there are no modes, no equilibrium, no exponent. Its text is a sentence that ends in what to try next.
+/// Reason why there are no modes, no equilibrium, no exponent. Its text is a sentence that ends in what to try next.
 #[derive(Clone, PartialEq)]
 #[non_exhaustive]
 pub enum AnalysisError {

@@ -20,7 +20,7 @@ pub struct Exponent {
     pub error: f64,
 }
 
-/// How a Lyapunov exponent is measured.
+/// Durations for the measurement of a Lyapunov exponent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measurement {
     /// Time that is run before, in units of t and whole intervals, rounded up, until the motion has forgotten its start
@@ -28,7 +28,7 @@ pub struct Measurement {
     pub transient: f64,
     /// Time between two normalisations of the deviations, in units of t.
     pub interval: f64,
-    /// How many intervals count; rounded up to a multiple of 20.
+    /// Number of intervals that count; rounded up to a multiple of 20.
     pub intervals: u32,
 }
 

@@ -120,7 +120,7 @@ fn leading(x: &DVector<f64>) -> usize {
 }
 
 impl Modes {
-    /// How many there are: the number of coordinates.
+    /// The number of modes, which is the number of coordinates.
     pub fn len(&self) -> usize {
         self.omega2.len()
     }

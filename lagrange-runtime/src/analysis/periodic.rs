@@ -8,7 +8,7 @@ use crate::attitude;
 use crate::state::{State, Tangent};
 use nalgebra::{Complex, DMatrix, DVector, SVector};
 
-/// How long a periodic orbit takes.
+/// Period of a periodic orbit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Period {
     /// The period of the forces, or a multiple of it, in units of t.

@@ -158,7 +158,7 @@ impl SmallMotion {
         Self::at(system, at)
     }
 
-    /// As [`steady`](Self::steady), about a state that an iteration found.
+    /// Variant of [`steady`](Self::steady) about a state that an iteration found.
     pub(super) fn at<Sys: Linearize<N, Scalar = f64>, const N: usize>(
         system: &Sys,
         at: &State<f64, N>,

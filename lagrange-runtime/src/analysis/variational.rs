@@ -229,7 +229,7 @@ where
 /// | [`ByVariationalEquations`] | more coordinates, by the emitted Jacobian | any; DOP853 |
 /// | [`ByGradients`] | derivatives in every number | any; Taylor series |
 pub trait TangentFlow<const N: usize> {
-    /// How many deviations are carried along: 2N for all of them.
+    /// Number of deviations that are carried along: 2N for all of them.
     const DEVIATIONS: usize;
 
     /// True if time is proved not to appear in the equations of motion ([`System::AUTONOMOUS`]).

@@ -9,7 +9,7 @@ use crate::state::{State, Tangent};
 use nalgebra::DVector;
 use nalgebra::{SVector, Vector3};
 
-/// Those of the attitudes, by their first coordinates, whose |σ|² is beyond `bound`.
+/// The attitudes, by their first coordinates, whose |σ|² is beyond `bound`.
 #[cfg(feature = "analysis")]
 pub(crate) fn beyond<'a, S: Real, const N: usize>(
     attitudes: &'a [usize],
@@ -19,7 +19,7 @@ pub(crate) fn beyond<'a, S: Real, const N: usize>(
     attitudes.iter().copied().filter(move |first| square(&at.parameters(*first)).to_f64() > bound)
 }
 
-/// Those of the attitudes whose other parameters are nearer to those of another state.
+/// The attitudes whose other parameters are nearer to those of another state.
 #[cfg(feature = "analysis")]
 pub(crate) fn astray<'a, const N: usize>(
     attitudes: &'a [usize],

@@ -1,10 +1,10 @@
-//! Why a chart was not written.
+//! Reasons why a chart was not written.
 
 use crate::failure::debug_is_text;
 use std::fmt;
 use std::path::PathBuf;
 
-/// Why there is no chart.
+/// Reason why there is no chart.
 #[non_exhaustive]
 pub enum ChartError {
     /// No series has a point that can be drawn.

@@ -1,4 +1,4 @@
-//! How series are told apart: by colour, by dashes and by markers, so that any one of the three is enough.
+//! Distinction of series by colour, by dashes and by markers, so that any one of the three is enough.
 
 use super::series::{Series, Style};
 use plotters::style::RGBColor;

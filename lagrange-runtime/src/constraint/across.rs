@@ -183,7 +183,7 @@ impl<S: Real, const N: usize> Nodes<S, N> {
         along(&at.qd, clock, h.to_f64().abs() / 32.0).or_else(near).or_else(turning)
     }
 
-    /// Those `(q + s b, q̇, t + s clock)` of a spacing of s, or of the next larger one with which the nearest of them
+    /// Nodes `(q + s b, q̇, t + s clock)` of a spacing of s, or of the next larger one with which the nearest of them
     /// are resolved.
     fn along<Sys: Constrained<N, M, Scalar = S>, const M: usize>(
         system: &Sys,
@@ -329,7 +329,7 @@ where
     Nodes::about(system, reference, at, h, |nodes| nodes.state(at.t))
 }
 
-/// How a motion begins that does so near a state at which constraints are dependent. Its velocity tells on which
+/// Beginning of a motion near a state at which constraints are dependent. Its velocity tells on which
 /// branch: states on both sides, `(q + s q̇, q̇)`, have velocities that lead to this one if it is along a branch.
 /// `None` for a start at which the constraints are independent. Emitted as
 /// [`System::begun_across`](crate::System::begun_across).
@@ -576,7 +576,7 @@ where
         (self.of)(at, &accelerations, &multipliers)
     }
 
-    /// Those of a state at which gradients are nearly dependent, by the place or by masses that differ much.
+    /// The quantities of a state at which gradients are nearly dependent, by the place or by masses that differ much.
     #[cold]
     #[inline(never)]
     fn across(&self) -> Option<SVector<Sys::Scalar, K>>

@@ -109,7 +109,7 @@ pub struct Certificate<const K: usize> {
     errors: [Vec<f64>; K],
 }
 
-/// Why a certificate does not hold.
+/// Reason why a certificate does not hold.
 #[non_exhaustive]
 #[derive(Clone, Copy, PartialEq)]
 pub enum NotCertified {

@@ -1,4 +1,4 @@
-//! How far a study has come, in memory and in a file.
+//! Progress of a study, in memory and in a file.
 //!
 //! The file: eight bytes of magic with the version of the format, the description of the study as a list of strings,
 //! the state, and the CRC-32 of all that. It is replaced as a whole.
@@ -30,7 +30,7 @@ pub struct Reached<T> {
     pub tree: Tree<T>,
     /// Number of failed samples.
     pub failed: u64,
-    /// Those whose failures are kept. A failure names coordinates and constraints of the program, which a file cannot
+    /// Samples whose failures are kept. A failure names coordinates and constraints of the program, which a file cannot
     /// give back: these samples are run again when a study is resumed.
     pub kept: Vec<u64>,
 }

@@ -1,12 +1,12 @@
-//! Why there is no result of an ensemble.
+//! Reasons why there is no result of an ensemble.
 
 use crate::failure::debug_is_text;
 use std::fmt;
 use std::io;
 use std::path::PathBuf;
 
-/// Why an ensemble cannot be computed, or its result not be kept. A failed *sample* is no error: it is counted, see
-/// [`Failures`](super::Failures).
+/// Reason why an ensemble cannot be computed, or its result not be kept. A failed *sample* is no error: it is counted,
+/// see [`Failures`](super::Failures).
 #[non_exhaustive]
 pub enum EnsembleError {
     /// No samples were asked for.

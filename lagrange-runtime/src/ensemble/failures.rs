@@ -5,7 +5,7 @@ use crate::failure::{Failure, debug_is_text};
 use crate::state::State;
 use std::fmt;
 
-/// Why there is no output of a sample: what a function that watches a run returns. A [`Failed`] and a [`Failure`]
+/// Reason why a sample has no output: what a function that watches a run returns. A [`Failed`] and a [`Failure`]
 /// become one by `?`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lost<S, const N: usize> {
@@ -59,6 +59,6 @@ impl<S: fmt::Debug, const N: usize> std::error::Error for FailedSample<S, N> {}
 pub struct Failures<S, const N: usize> {
     /// Number of failed samples.
     pub count: u64,
-    /// Those with the lowest indices, as many as the study keeps.
+    /// The failed samples with the lowest indices, as many as the study keeps.
     pub kept: Vec<FailedSample<S, N>>,
 }

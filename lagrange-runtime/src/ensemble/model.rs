@@ -105,7 +105,7 @@ pub struct Evaluated<O> {
     pub work: u64,
 }
 
-/// As many evaluations as draws, whatever a model that others have written returns: those that are missing have failed.
+/// Evaluations of all draws, whatever a model that others have written returns: those that are missing have failed.
 pub(super) fn evaluated<D, M: Model<D>>(model: &M, draws: Vec<D>) -> Vec<Evaluated<M::Output>> {
     let count = draws.len();
     let mut all = if draws.is_empty() { vec![] } else { model.evaluate(draws) };

@@ -136,7 +136,7 @@ pub struct Pilot {
     pub standard_deviation: [f64; 2],
     /// Mean costs of a sample of either.
     pub cost: [f64; 2],
-    /// How samples are divided, if that is cheaper than the full model alone; `None`: there is no gain.
+    /// Division of the samples, if it is cheaper than the full model alone; `None`: there is no gain.
     pub gain: Option<Allocation>,
 }
 

@@ -1,4 +1,4 @@
-//! How a study gets on.
+//! Progress of a study.
 
 use std::fmt;
 use std::time::Duration;

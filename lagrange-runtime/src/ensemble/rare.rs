@@ -148,8 +148,8 @@ struct Sample<const D: usize> {
 
 record_fields!(Sample<; D> { input, output, chain });
 
-/// How far a study has come: the runs that are done, and of the next one its levels and the samples of the one that
-/// is reached.
+/// Progress of a study: the runs that are done, and of the next one its levels and the samples of the one that is
+/// reached.
 #[derive(Clone, Debug, Default)]
 struct State<const D: usize> {
     runs: Vec<SubsetRun>,

@@ -87,7 +87,7 @@ impl<S: Real, const N: usize> Outline<S, N> {
         (g(&moved) - here) / inward
     }
 
-    /// How an event looks from the ends of the step, where g is `start` at its beginning.
+    /// An event as seen from the ends of the step, where g is `start` at its beginning.
     #[inline(always)]
     pub(crate) fn seen<E: Bound<S, N, K>, const K: usize>(
         &self,

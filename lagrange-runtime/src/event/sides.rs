@@ -47,7 +47,7 @@ pub struct Sides {
 }
 
 impl Sides {
-    /// Those of a motion that was left at `t`.
+    /// Sides of the events of a motion that was left at `t`.
     pub fn left(t: f64, landed: bool, events: impl ExactSizeIterator<Item = (Left, Side)>) -> Self {
         let mut sides = Sides { t, landed, count: events.len(), ..Sides::default() };
         sides.kept.iter_mut().zip(events).for_each(|(kept, event)| *kept = event);

@@ -43,7 +43,7 @@ where
     );
 }
 
-/// As [`InLanes`], for one kind of processor.
+/// Variant of [`InLanes`] for one kind of processor.
 pub trait OnProcessor<Sys, C, P, A, const N: usize>
 where
     Sys: Rescale<N, Scalar = f64>,

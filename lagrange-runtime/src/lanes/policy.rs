@@ -1,4 +1,4 @@
-//! How `a b + c` is rounded.
+//! Rounding of `a b + c`.
 
 use core::fmt::Debug;
 

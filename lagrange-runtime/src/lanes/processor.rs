@@ -1,5 +1,5 @@
-//! Which vector instructions the processor has, and code that is compiled for each kind of them. Unsafe code of lanes
-//! is here and in `registers.rs`.
+//! Vector instructions that the processor has, and code that is compiled for each kind of them. Unsafe code of lanes is
+//! here and in `registers.rs`.
 //!
 //! An ordinary build is for the least processor of its architecture. What is to use the instructions of a better one is
 //! compiled again within a function marked by `#[target_feature]`, and called if the processor has them.

@@ -252,7 +252,7 @@ impl<E, F, const K: usize> Occurrences<E, F, K> {
 pub struct Happened<const K: usize, const N: usize> {
     search: Search<K>,
     occurrences: Vec<Occurrence<f64, N>>,
-    /// Those that count if the trajectory ends with the last step.
+    /// The occurrences that count if the trajectory ends with the last step.
     at_end: Vec<Occurrence<f64, N>>,
 }
 

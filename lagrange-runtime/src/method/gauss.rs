@@ -414,7 +414,7 @@ where
 /// One of the numbers of a system.
 type Number<Sys, const N: usize> = <<Sys as System<N>>::Scalar as SimdScalar>::Element;
 
-/// How much an iteration changed the increments, over the size of the variables; NaN where something is not finite.
+/// Change of the increments by an iteration, over the size of the variables; NaN where something is not finite.
 #[cfg_attr(not(debug_assertions), inline(always))]
 fn relative_change<S: SimdScalar, const N: usize, const K: usize>(
     start: &Phase<S, N>,

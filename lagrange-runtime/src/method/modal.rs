@@ -210,7 +210,7 @@ impl<S: SimdScalar, const N: usize> Generator<S, N> {
         Generator { k, c, f: system.accel(&zero, &zero, t), rate }
     }
 
-    /// That of one number.
+    /// The constants of one number.
     fn number(&self, place: usize) -> Generator<S::Element, N> {
         let number = |x: S| x.number(place);
         let rate = number(self.rate);

@@ -78,7 +78,7 @@ impl<Sys: Lagrangian<N>, const N: usize> Work for Linearized<'_, Sys, N> {
     }
 }
 
-/// Why the linear equations of a step cannot be solved: accelerations or a Jacobian that are not finite, or a
+/// Reason why the linear equations of a step cannot be solved: accelerations or a Jacobian that are not finite, or a
 /// singular matrix.
 pub(super) fn unsolvable<Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
@@ -155,8 +155,8 @@ where
     }
 }
 
-/// Why an iteration met numbers that are not finite: there are none at the start of the step already, or else it is the
-/// iteration that diverged.
+/// Reason why an iteration met numbers that are not finite: the accelerations at the start of the step are not, or
+/// else the iteration diverged.
 pub(super) fn diverged<Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
     from: &State<Sys::Scalar, N>,

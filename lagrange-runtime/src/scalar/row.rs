@@ -4,7 +4,7 @@ use core::fmt::Debug;
 
 /// Numbers side by side, as sums of products of series are formed of them.
 pub trait SimdRow: Copy + Debug {
-    /// As they are handed over: `[S; C]`.
+    /// The numbers as they are handed over: `[S; C]`.
     type Elements: Copy + Debug;
 
     /// Are so many of them kept in memory, and sums formed there? The optimiser makes vectors of them then, where it

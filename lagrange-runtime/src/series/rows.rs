@@ -28,7 +28,7 @@ impl<T: Copy, const K: usize> Rows<T, K> {
         }
     }
 
-    /// Those that have been written.
+    /// The rows that have been written.
     #[inline(always)]
     pub fn written(&self) -> &[T] {
         // SAFETY: `count` is at most K, and each of the first `count` rows has been written by `push`, the only one

@@ -12,7 +12,7 @@ use core::fmt::Debug;
 
 /// Signs of the switching functions of a system, or their values or coefficients, over the scalar `S`.
 pub trait Switches<S: Scalar>: Copy + Debug + PartialEq + Send + Sync + 'static {
-    /// How many there are, at most 64.
+    /// Number of switching functions, at most 64.
     const COUNT: usize;
 
     /// All 0.
@@ -22,7 +22,7 @@ pub trait Switches<S: Scalar>: Copy + Debug + PartialEq + Send + Sync + 'static 
     /// holds, as |x| − x does for x > 0.
     fn signs(self) -> Self;
 
-    /// That of one switch.
+    /// The element of one switch.
     fn of(&self, switch: usize) -> S;
 
     /// With the other sign for one switch.
@@ -62,16 +62,16 @@ pub trait Switches<S: Scalar>: Copy + Debug + PartialEq + Send + Sync + 'static 
 pub enum Met<W> {
     /// A switch that it begins at, which it leaves to another side than was said.
     Left {
-        /// Which one.
+        /// Its index.
         switch: usize,
         /// Sides after it.
         sides: W,
     },
     /// The first switch that it crosses.
     Crossed {
-        /// Which one.
+        /// Its index.
         switch: usize,
-        /// At which share of the time.
+        /// The share of the time at which it is crossed.
         share: f64,
     },
     /// None up to this share of the time; beyond it the series of a switching function is too short to say.
@@ -221,8 +221,8 @@ impl<S: SimdScalar, const C: usize> Switches<S> for Sides<S, C> {
 }
 
 impl<S: SimdScalar, const C: usize> Sides<S, C> {
-    /// Which of the switches that the series begins at is left to another side than `self` says, for times of the
-    /// sign of h, and what the sides are then.
+    /// The switch that the series begins at and leaves to another side than `self` says, for times of the sign of h,
+    /// and the sides after it.
     fn contradicted<const K: usize>(
         &self,
         switching: &[Self; K],
@@ -252,7 +252,7 @@ impl<S: SimdScalar, const C: usize> Sides<S, C> {
         })
     }
 
-    /// At which share of the time h the first switch is crossed, and which one.
+    /// The share of the time h at which the first switch is crossed, and the index of that switch.
     fn first<const K: usize>(
         &self,
         switching: &[Self; K],
@@ -325,7 +325,7 @@ fn known<const K: usize>(coefficients: [f64; K], h: f64, order: usize) -> f64 {
     libm::exp2(longest - libm::log2(h.abs())).min(1.0)
 }
 
-/// How often an interval is halved at most.
+/// Largest number of halvings of an interval.
 const HALVINGS: u32 = 52;
 
 /// First root of a polynomial with a positive constant, up to `end` ≤ 1; 0 where the constant is not positive. NaN if

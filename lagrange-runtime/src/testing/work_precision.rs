@@ -27,7 +27,7 @@ pub enum Cost {
     Evaluations,
 }
 
-/// How the cost of an accuracy is read off the runs of a method.
+/// Way of reading the cost of an accuracy off the runs of a method.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Reading {
     /// The cheapest run with `error ≤ 10⁻ᵏ`: nothing but what was measured.

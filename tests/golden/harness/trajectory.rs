@@ -224,7 +224,7 @@ pub fn end(subject: &Subject) -> Option<(String, f64, f64)> {
     Some((name, reached[0].q[k], last.q[k]))
 }
 
-/// How far a single step that ends here may be off in each coordinate and velocity.
+/// Admitted error of a single step that ends here, in each coordinate and velocity.
 fn tolerated(step: &At<f64>) -> DVector<f64> {
     let single = TOLERANCE * (step.x.len() as f64).sqrt();
     DVector::from_iterator(step.x.len(), step.x.iter().map(|x| single * (1.0 + x.abs())))

@@ -50,7 +50,7 @@ fn sensitivity_to_the_length_of_a_rod() {
     }
 }
 
-/// As many multipliers as admitted deviations: both 1 of a pendulum.
+/// The orbit has as many multipliers as admitted deviations: both are 1 for a pendulum.
 #[test]
 fn an_orbit_of_a_bob_has_two_multipliers() {
     let bob = Bob::new(0.7);

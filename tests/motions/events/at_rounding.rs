@@ -58,7 +58,7 @@ fn short_flights_end_on_the_ground() {
     }
 }
 
-/// How a ball is followed from one impact to the next.
+/// Way in which a ball is followed from one impact to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Followed {
     Restarted,

@@ -91,7 +91,7 @@ macro_rules! worst {
     }};
 }
 
-/// How far the coordinates are from those that they have at the end, by the methods for every system, at this
+/// Distance of the coordinates from those that they have at the end, by the methods for every system, at this
 /// tolerance.
 macro_rules! errors {
     ($system:expr, $start:expr, $end:expr, $exact:expr, $tolerance:expr) => {{

@@ -1,4 +1,4 @@
-//! How redundant joints of different stiffness share a load.
+//! Load that redundant joints of different stiffness share.
 
 use crate::systems::*;
 use lagrange_runtime::prelude::*;

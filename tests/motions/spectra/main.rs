@@ -7,7 +7,7 @@ use lagrange_runtime::analysis::*;
 use nalgebra::{DMatrix, DVector};
 use systems::{FAMILIES, Random, System};
 
-/// How far the eigenvalues of one system are off.
+/// Errors of the eigenvalues of one system.
 #[derive(Default)]
 struct Found {
     roots: usize,

@@ -30,7 +30,7 @@ struct Scene<'r> {
     random: &'r mut Random,
     /// Free coordinates of the whole scene; prescribed ones follow them.
     all: usize,
-    /// Those so far.
+    /// Number of coordinates so far.
     coordinates: usize,
     parameters: usize,
     prescribed: Vec<Expr>,
@@ -130,7 +130,7 @@ impl Scene<'_> {
         format!("«{}»", self.said.len() - 1)
     }
 
-    /// As many components as there are dimensions.
+    /// A list of as many components as there are dimensions.
     fn list(&mut self, v: &Vector) -> String {
         let v = &v[..self.dimensions()];
         let parts: Vec<String> = v.iter().map(|x| self.say(x)).collect();

@@ -31,7 +31,7 @@ pub fn check(g: &Graph, value: Value, row: &[Value]) -> bool {
     found.next() == Some(true) && found.next() == Some(true) && found.next() != Some(false)
 }
 
-/// That of the position to which Newton's method leads from a start, if it leads to one.
+/// Returns whether the gradient vanishes at the position to which Newton's method leads from a start, if to one.
 fn vanishes(g: &Graph, all: &[Value], trial: u64) -> Option<bool> {
     let n = all.len() - 1;
     let at = |q: &[f64]| {

@@ -23,7 +23,7 @@ use crate::model::frames::{Motion, Vector};
 #[derive(Default)]
 pub struct Attitudes {
     turns: Vec<Turn>,
-    /// Those of frames in others, by their bindings.
+    /// Angular velocities of frames in others, by their bindings.
     pub spins: Vec<usize>,
 }
 

@@ -1,4 +1,4 @@
-//! How the coefficients of an order follow from those before it, and at what cost.
+//! Recurrence of the coefficients of an order from those before it, and its cost.
 
 use crate::graph::{Graph, Node, Symbol, Value, stable_map::IdMap};
 use crate::program::Program;
@@ -13,7 +13,7 @@ pub const CONVOLUTIONS_PER_VECTOR: usize = 4;
 /// of sums straight lines; others loop.
 pub const MAX_UNROLLED_CONVOLUTIONS: usize = 32;
 
-/// How the coefficients of an order follow from those before it.
+/// Recurrence of the coefficients of an order from those before it.
 pub struct Recurrence {
     /// Coefficients 0 and k of the factors of convolutions.
     pub factors: Vec<[Value; 2]>,
@@ -26,11 +26,11 @@ pub struct Recurrence {
     /// Coefficients 0 and k of the accelerations, and those of order k of the velocities that are found instead.
     pub accelerations: Vec<(usize, [Value; 2])>,
     pub velocities: Vec<(usize, Value)>,
-    /// Those of coordinates that are found themselves.
+    /// Coefficients of order k of the coordinates that are found themselves.
     pub coordinates: Vec<(usize, Value)>,
 }
 
-/// How the motion goes on, by coordinates.
+/// Coefficients by which the motion goes on, by coordinates.
 #[derive(Default)]
 pub struct Motion {
     pub accelerations: Vec<(usize, [Value; 2])>,

@@ -3,7 +3,7 @@
 use crate::analysis::Stability;
 use nalgebra::DVector;
 
-/// How far and how finely a curve is followed.
+/// Range and step size of a curve that is followed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Path {
     /// The parameter's range, in which the curve is followed, in the unit of the parameter μ.

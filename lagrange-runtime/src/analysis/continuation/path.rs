@@ -122,7 +122,7 @@ impl Curve<'_> {
         Some(([middle, to], found))
     }
 
-    /// Why there is no step from here, however short.
+    /// Reason why there is no step from here, however short.
     fn stuck(&self, from: &Place, h: f64) -> AnalysisError {
         let [here, there] = [0.0, 16.0 * h].map(|h| self.equations.switching(&(&from.z + &from.tangent * h)));
         if let Some(index) = (0..here.len()).find(|&k| here[k] * there[k] <= 0.0) {

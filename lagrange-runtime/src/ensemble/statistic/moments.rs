@@ -32,7 +32,7 @@ pub struct Moment {
 record_fields!(Moment { count, mean, squares, not_finite });
 
 impl Moment {
-    /// That of these numbers.
+    /// The moments of these numbers.
     pub(crate) fn of(numbers: impl Iterator<Item = f64>) -> Self {
         numbers.fold(Moment::default(), |mut moments, number| {
             Moments.add(&mut moments, 0, &number);

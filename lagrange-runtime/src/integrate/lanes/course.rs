@@ -89,7 +89,7 @@ pub struct Own<D> {
 }
 
 impl<D> Own<D> {
-    /// Those of a step, the coarse one if it is asked for.
+    /// The interpolants of a step, the coarse one if it is asked for.
     pub fn new<Sys, M, const N: usize>(
         lane: usize,
         method: &M,

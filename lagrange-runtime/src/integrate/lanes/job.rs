@@ -23,7 +23,7 @@ pub struct Job<Sys, const N: usize> {
 pub struct Bounds {
     /// The time at which runs end.
     pub end: f64,
-    /// As [`Run::max_steps`](crate::Run::max_steps).
+    /// Limit on the number of steps, see [`Run::max_steps`](crate::Run::max_steps).
     pub max_steps: Option<u64>,
 }
 

@@ -22,7 +22,7 @@ macro_rules! paces {
             $($(#[$doc])* pub $field: $type,)*
         }
 
-        /// Those of lanes.
+        /// Time and steps of the runs in lanes.
         #[derive(Clone, Copy, Debug)]
         pub struct Paces {
             $(pub $field: [$type; LANES],)*
@@ -204,7 +204,7 @@ where
 struct Parameters(Vec<[f64; LANES]>);
 
 impl Parameters {
-    /// Those of `system` in all lanes.
+    /// The parameters of `system` in all lanes.
     fn of<Sys: Rescale<N, Scalar = f64>, const N: usize>(system: &Sys) -> Self {
         let mut values = vec![];
         let _ = system.over(|x| {

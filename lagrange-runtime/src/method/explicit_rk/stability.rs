@@ -178,7 +178,7 @@ mod tests {
         }
     }
 
-    /// How much 200 steps of size h multiply the part of the motion that belongs to the eigenvalue λ: of
+    /// Factor by which 200 steps of size h multiply the part of the motion that belongs to the eigenvalue λ, namely
     /// `w = q̇ − λ̃ q`, where λ̃ is the other eigenvalue (the real one, or the conjugate with `re` and `im`), since
     /// ẇ = λ w.
     fn growth<M: Method<Oscillator, 1> + Default>(zeta: f64, other: (f64, f64), h: f64) -> f64 {

@@ -264,8 +264,8 @@ fn the_interpolant_of_dop853_errs_as_scipys() {
         assert!((middle.q[0] - (0.5 * h).cos() - error).abs() < 1e-15);
     }
 }
-/// As for Dop853, against the same computed with Verner's coefficients in arithmetic of 60 digits. The coefficients of
-/// this interpolant are as large as 1500, and so is their rounding.
+/// The interpolation error of Verner's method, against that by its coefficients in arithmetic of 60 digits. The
+/// coefficients of this interpolant are as large as 1500, and so is their rounding.
 #[test]
 fn the_interpolant_of_verner_errs_as_in_exact_arithmetic() {
     let (system, start) = (Chain::<f64, 1> { k: 0.5 }, State::new(0.0, [1.0], [0.0]));

@@ -139,7 +139,8 @@ lagrangian! {
     }
 }
 
-/// As one mass of 2 on a spring of 1. Numbers in which a part of 1e-4 is rounding are no results: −2.9 and −11774 were.
+/// The masses move as one of 2 on a spring of 1. Numbers in which a part of 1e-4 is rounding are no results: −2.9 and
+/// −11774 were.
 #[test]
 fn what_rounding_makes_of_stiff_ties_is_told() {
     let exact = (2.0 / 2f64.sqrt()).cos();
