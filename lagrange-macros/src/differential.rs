@@ -40,7 +40,7 @@ use std::sync::{LazyLock, Mutex};
 
 /// Systems tried by `cargo test`, and with [`LONG`]. (`.ci/full` tries thousands.)
 pub fn few() -> u64 {
-    if *LONG { 150 } else { 12 }
+    if *LONG { 150 } else { 10 }
 }
 /// The environment variable `LAGRANGE_LONG` is set, as `.ci/run` does for optimised builds: more systems, larger ones.
 pub static LONG: LazyLock<bool> = LazyLock::new(|| std::env::var_os("LAGRANGE_LONG").is_some());

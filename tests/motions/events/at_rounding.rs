@@ -171,8 +171,7 @@ lagrangian! {
 #[test]
 fn no_ball_falls_through_a_shaken_floor() {
     let mut impacts = 0;
-    for (omega, amplitude) in [(3.0, 0.001), (5.0, 0.05), (5.0, 0.02), (7.0, 0.05), (7.0, 0.02), (20.0, 0.1)]
-    {
+    for (omega, amplitude) in [(3.0, 0.001), (5.0, 0.05), (5.0, 0.02), (7.0, 0.05), (20.0, 0.1)] {
         for restitution in [0.3, 0.5, 0.8] {
             for (tolerance, floor) in [(1e-8, 0.0), (1e-11, 0.0), (1e-11, 1.0)] {
                 let ball = Shaken::new(floor, amplitude, omega);
