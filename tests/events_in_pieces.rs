@@ -249,17 +249,6 @@ fn an_input_crosses_several_events() {
     assert_eq!((first, second), (vec!["low", "high"], vec!["high", "low"]));
 }
 
-lagrangian! {
-    /// A ball on the ground.
-    system Bouncing {
-        param g = 9.81;
-        coord y;
-        T = 0.5 * dot(y).powi(2);
-        V = g * y;
-        event ground: y, falling, terminal;
-    }
-}
-
 /// A ball comes to rest after √(2 h/g) (1 + e)/(1 − e). Whatever the tolerance, its bounces accumulate, and what made
 /// them is left on the ground.
 #[test]
@@ -272,8 +261,8 @@ fn bounces_that_accumulate_end_on_the_ground() {
             at.qd *= -restitution;
             at
         };
-        let ball = Bouncing::new();
-        let mut events = integrate(&ball, Dop853, controller, start).until(20.0).events(Bouncing::GROUND);
+        let ball = Ball::new();
+        let mut events = integrate(&ball, Dop853, controller, start).until(20.0).events(Ball::GROUND);
         let failure = loop {
             match events.next().expect("a bounce, or a failure") {
                 Ok(bounce) => events.restart(hit(bounce.state)),
@@ -281,9 +270,9 @@ fn bounces_that_accumulate_end_on_the_ground() {
             }
         };
         let run = (failure, *events.state());
-        let mut stepper = Stepper::new(Bouncing::new(), Dop853, controller, start);
+        let mut stepper = Stepper::new(Ball::new(), Dop853, controller, start);
         let failure = loop {
-            let next = stepper.until(20.0).events(Bouncing::GROUND).next();
+            let next = stepper.until(20.0).events(Ball::GROUND).next();
             match next.expect("a bounce, or a failure") {
                 Ok(bounce) => stepper.set_state(hit(bounce.state)).unwrap(),
                 Err(failure) => break failure,

@@ -95,8 +95,7 @@ pub(super) fn complete(e: &mut Elaborator, header: &Header, statements: &[Statem
     coordinates(e, name, statements);
     energies(e, name);
     rates(e);
-    unused_parameters(e);
-    unused_bindings(e);
+    unused(e);
     names(e, name);
     visibilities(e, header);
 }
@@ -212,42 +211,31 @@ fn missing(e: &mut Elaborator, other: &Ident, energy: &str, help: &str) {
     }
 }
 
-/// A binding that nothing depends on, unless its name says so: `let D = …;` is no dissipation function.
-fn unused_bindings(e: &mut Elaborator) {
+/// Bindings and parameters that nothing depends on, unless their names say so: `let D = …;` is no dissipation function.
+fn unused(e: &mut Elaborator) {
+    // After an error the use may be in what was not understood.
     if !e.errors.is_empty() {
         return;
     }
-    for (text, (name, entry)) in &e.scope.names {
-        if !matches!(entry, Entry::Let(_)) || e.scope.used.contains(text) || text.starts_with('_') {
+    let bindings = e.scope.names.values().filter(|(_, entry)| matches!(entry, Entry::Let(_)));
+    let bindings = bindings.map(|(name, _)| ("unused_binding", name));
+    let parameters = e.found.parameters.iter().map(|parameter| ("unused_parameter", &parameter.name));
+    for (about, name) in bindings.chain(parameters) {
+        let text = name.to_string();
+        if e.scope.used.contains(&text) || text.starts_with('_') {
             continue;
         }
         let help = match text.as_str() {
-            "T" | "V" | "L" | "D" => format!("that of the system is `{text} = …;`, without `let`"),
-            "Q" | "F" | "force" | "f" | "tau" => {
-                "a generalized force is `Q[x] = …;`, one at a point `force [fx, fy] at [x, y];`".to_string()
+            "T" | "V" | "L" | "D" if about == "unused_binding" => {
+                format!("that of the system is `{text} = …;`, without `let`")
+            }
+            "Q" | "F" | "force" | "f" | "tau" if about == "unused_binding" => {
+                "a generalized force is `Q[x] = …;`, one at a point `force [fx, fy] at [x, y];`".into()
             }
             _ => format!(
                 "remove it, or let an energy or a force depend on it; if it is meant to be unused, call it `_{text}`"
             ),
         };
-        let message = format!("nothing depends on `{text}`\nhelp: {help}");
-        e.errors.warn(name.span(), "unused_binding", message);
-    }
-}
-
-/// A parameter that nothing depends on, unless its name says so.
-fn unused_parameters(e: &mut Elaborator) {
-    // After an error the use may be in what was not understood.
-    if !e.errors.is_empty() {
-        return;
-    }
-    for parameter in &e.found.parameters {
-        let name = parameter.name.to_string();
-        if !e.scope.used.contains(&name) && !name.starts_with('_') {
-            let message = format!(
-                "nothing depends on `{name}`\nhelp: remove it, or let an energy or a force depend on it; if it is meant to be unused, call it `_{name}`"
-            );
-            e.errors.warn(parameter.name.span(), "unused_parameter", message);
-        }
+        e.errors.warn(name.span(), about, format!("nothing depends on `{text}`\nhelp: {help}"));
     }
 }
