@@ -154,8 +154,8 @@ fn option(
         return skip_declaration(input);
     };
     let text = word.to_string();
-    if input.peek(Token![=]) && OPTIONS.contains(&text.as_str()) {
-        let sign: Token![=] = input.parse()?;
+    if (input.peek(Token![=]) || input.peek(Token![:])) && OPTIONS.contains(&text.as_str()) {
+        let sign: TokenTree = input.parse()?;
         errors.push(sign, format!("an option of an event has no value\nhelp: write `{text}` alone"));
         return skip_declaration(input);
     }

@@ -156,9 +156,9 @@ impl Elaborator<'_> {
                 let x = self.vector(x, &binary.right)?;
                 Ok(self.rotated(&turns, x))
             }
-            (Val::Array(a), Val::Array(_)) => {
-                let message = match a.first() {
-                    Some(Val::Array(_)) => {
+            (Val::Array(a), Val::Array(b)) => {
+                let message = match (a.first(), b.first()) {
+                    (Some(Val::Array(_)), Some(Val::Int(_) | Val::Number(_))) => {
                         let (a, b) = (plain(&binary.left), plain(&binary.right));
                         format!(
                             "arrays are not multiplied by `*`\nhelp: a matrix times a vector is `{a}.map(|row| row.dot({b}))`"
