@@ -604,6 +604,24 @@ fn comments_are_no_wider_than_code() {
     assert!(wide.is_empty(), "{wide:#?}");
 }
 
+/// Documents are read in an editor, too, and their changes line by line. Tables, pictures and code keep their lines.
+#[test]
+fn documents_are_no_wider_than_code() {
+    let mut wide = Vec::new();
+    for (name, text) in documents() {
+        let mut code = false;
+        for (i, line) in text.lines().enumerate() {
+            let words = line.trim_start();
+            code ^= words.starts_with("```");
+            let is_prose = !code && !words.starts_with(['|', '!', '<']);
+            if is_prose && line.chars().count() > COLUMNS {
+                wide.push(format!("{name}:{}", i + 1));
+            }
+        }
+    }
+    assert!(wide.is_empty(), "{wide:#?}");
+}
+
 /// The chapter on failures has a row for each variant of `Failure`, and for each kind of malformed system messages
 /// that the compiler gives.
 #[test]
