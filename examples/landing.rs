@@ -217,23 +217,23 @@ impl Statistic<Landed> for Cells {
     }
 }
 
-/// Dispersion of shots with drag, wind and tolerances of the launch
+/// Dispersion of shots with drag, wind and tolerances of the launch.
 #[derive(Parser)]
 #[command(version)]
 struct Arguments {
-    /// Number of shots
+    /// Number of shots.
     #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = value_parser!(u64).range(1000..))]
     samples: u64,
-    /// Seed of the random numbers
+    /// Seed of the random numbers.
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     seed: u64,
-    /// Tolerance of a step, absolute and relative
+    /// Tolerance of a step, absolute and relative.
     #[arg(long, value_name = "ERROR", default_value_t = 1e-8)]
     tolerance: f64,
-    /// Number of threads; 0 for as many as there are processors
+    /// Number of threads; 0 for as many as there are processors.
     #[arg(long, value_name = "N", default_value_t = 0)]
     threads: usize,
-    /// Folder of the chart [default: charts, in cargo's target folder]
+    /// Folder of the chart (default: charts, in cargo's target folder).
     #[arg(long, value_name = "FOLDER")]
     folder: Option<PathBuf>,
 }

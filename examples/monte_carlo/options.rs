@@ -5,36 +5,36 @@ use clap::{CommandFactory, Parser, Subcommand, value_parser};
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-/// Does the top sleep? Tolerance analysis of a spinning top
+/// Does the top sleep? Tolerance analysis of a spinning top.
 #[derive(Parser)]
 #[command(version)]
 pub struct Arguments {
-    /// Number of tops; with --confidence the most that are computed
+    /// Number of tops; with --confidence the most that are computed.
     #[arg(long, value_name = "N", default_value_t = 20_000, value_parser = value_parser!(u64).range(2..))]
     pub samples: u64,
-    /// Seed of the random numbers
+    /// Seed of the random numbers.
     #[arg(long, value_name = "SEED", default_value_t = 1)]
     pub seed: u64,
-    /// Tolerance of a step, absolute and relative
+    /// Tolerance of a step, absolute and relative.
     #[arg(long, value_name = "ERROR", default_value_t = 1e-9, value_parser = positive)]
     pub tolerance: f64,
-    /// Number of threads; 0 for as many as there are processors
+    /// Number of threads; 0 for as many as there are processors.
     #[arg(long, value_name = "N", default_value_t = 0)]
     pub threads: usize,
     /// Stop once the mean moment of waking is known to so many seconds, the half-width of its 95 % interval. Tops
-    /// that do not wake count with the end
+    /// that do not wake count with the end.
     #[arg(long, value_name = "SECONDS", value_parser = positive, conflicts_with = "shard")]
     pub confidence: Option<f64>,
-    /// Let Lagrange's threshold, a closed form, do most of the work: few tops are simulated, as many as it takes
+    /// Let Lagrange's threshold, a closed form, do most of the work: few tops are simulated, as many as it takes.
     #[arg(long, requires = "confidence", conflicts_with = "csv")]
     pub multifidelity: bool,
-    /// Compute one part of the study only, and leave it in the folder
+    /// Compute one part of the study only, and leave it in the folder.
     #[arg(long, value_name = "K/N", value_parser = shard)]
     pub shard: Option<(u64, u64)>,
-    /// Folder of checkpoints and charts [default: charts, in cargo's target folder]
+    /// Folder of checkpoints and charts (default: charts, in cargo's target folder).
     #[arg(long, value_name = "FOLDER")]
     pub folder: Option<PathBuf>,
-    /// Write the dimensions and moments of waking of all tops as a table, too; shards have to be told, too
+    /// Write the dimensions and moments of waking of all tops as a table, too; each shard needs this option, too.
     #[arg(long, value_name = "FILE")]
     pub csv: Option<PathBuf>,
     #[command(subcommand)]
@@ -43,9 +43,9 @@ pub struct Arguments {
 
 #[derive(Subcommand)]
 pub enum Command {
-    /// Put together what the shards of a study left in the folder. Give the options that they had before this word
+    /// Put together what the shards of a study left in the folder. Give the options that they had before this word.
     Merge {
-        /// Number of shards
+        /// Number of shards.
         #[arg(value_parser = value_parser!(u64).range(1..))]
         shards: u64,
     },

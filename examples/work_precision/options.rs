@@ -4,28 +4,28 @@ use clap::error::ErrorKind;
 use clap::{CommandFactory, FromArgMatches, Parser};
 use std::ffi::OsString;
 
-/// Measures error against time: methods on motions that are known to the last digit
+/// Measures error against time: methods on motions that are known to the last digit.
 #[derive(Parser)]
 #[command(version)]
 pub struct Options {
     /// Measure the whole atlas: ten motions, each by every method that fits (compiled by a program of its own, which
-    /// takes minutes)
+    /// takes minutes).
     #[arg(long)]
     pub all: bool,
 
-    /// Motions to measure; all unless given
+    /// Motions to measure; all unless given.
     #[arg(long = "motion", value_name = "NAME", value_delimiter = ',')]
     motions: Vec<String>,
 
-    /// Methods to measure, by their names or a part of them: `gauss` stands for each of Gauss's; all unless given
+    /// Methods to measure, by their names or a part of them: `gauss` stands for each of Gauss's; all unless given.
     #[arg(long = "method", value_name = "NAME", value_delimiter = ',')]
     methods: Vec<String>,
 
-    /// Tolerances of the adaptive methods, instead of 1, 1e-1, … 1e-15
+    /// Tolerances of the adaptive methods, instead of 1, 1e-1, … 1e-15.
     #[arg(long = "tolerance", value_name = "X", value_delimiter = ',', value_parser = positive)]
     pub tolerances: Vec<f64>,
 
-    /// Follow energy and momenta over 10⁵ periods
+    /// Follow energy and momenta over 10⁵ periods.
     #[arg(long)]
     long: bool,
 }

@@ -194,9 +194,9 @@ pub struct Model {
     /// Positions of which velocities are taken, in energies and forces.
     pub moved: Vec<Value>,
     pub frames: Frames,
-    /// Bindings and energies as they were written,
+    /// Bindings and energies as they were written.
     pub written: Vec<(String, TokenStream)>,
-    /// with frames among them.
+    /// Are there frames among the written bindings?
     pub framed: bool,
     pub observed: Vec<Observed>,
     pub events: Vec<NamedEvent>,

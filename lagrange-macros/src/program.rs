@@ -48,13 +48,13 @@ pub enum Source {
 pub enum Operation {
     /// a + b; a is not subtracted unless both are.
     Sum(Operand, Operand),
-    /// x y + rest, fused
+    /// x y + rest, as a fused multiply-add.
     Fused([Operand; 2], Operand),
     Product(Operand, Operand),
     Quotient(Operand, Operand),
-    /// x over the order of the series
+    /// Quotient of x by the order of the series.
     OverOrder(Operand),
-    /// x over the order of the series, and rest added
+    /// Quotient of x by the order of the series, plus the rest.
     OverOrderPlus(Operand, Operand),
     /// An elementary function; the second argument is 0 for functions of one.
     Call(Function, Operand, Operand),

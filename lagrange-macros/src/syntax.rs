@@ -77,7 +77,7 @@ impl Header {
     }
 }
 
-/// `name`, `name: kind`, `name: [length]`, `name: [kind; length]`, each also with `= value`
+/// `name`, `name: kind`, `name: [length]`, `name: [kind; length]`, each also with `= value`.
 #[derive(Clone)]
 pub struct Declaration {
     pub attributes: Vec<Attribute>,

@@ -60,13 +60,13 @@ pub enum Size {
     Constraints,
     Prescribed,
     Inputs,
-    /// The coordinates of the energies,
+    /// The coordinates of the energies.
     Mechanical,
-    /// and the states of first order.
+    /// The states of first order.
     States,
-    /// The coordinates that a reduced or restricted system has not,
+    /// The coordinates that a reduced or restricted system does not have.
     Ignorable,
-    /// and those of the system that it came from.
+    /// The coordinates of the system that a reduced or restricted one came from.
     Whole,
     Fixed(usize),
 }
@@ -83,13 +83,13 @@ pub enum Inlining {
 
 /// Computation of the values of a function.
 pub enum Computation {
-    /// Computed by a straight line,
+    /// By straight-line code.
     Straight(Vec<Value>),
-    /// by this function of the runtime over duals, which gives the values if there are expressions of them,
+    /// By this function of the runtime over dual numbers, or by the expressions of the values, if there are any.
     Duals(&'static str, Option<Vec<Value>>),
-    /// or by a loop that solves M x = right.
+    /// By a loop that solves M x = right.
     Loop { values: Vec<Value>, right: Vec<Value> },
-    /// or a part of the solution of least norm of M x − Aᵀ λ = right, A x = rates, where constraints follow from
+    /// Part of the solution of least norm of M x − Aᵀ λ = right, A x = rates, where constraints follow from
     /// others.
     Redundant(Part),
 }

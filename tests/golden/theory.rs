@@ -28,7 +28,7 @@ pub fn rows() -> Vec<Row> {
 /// A number with a first derivative along two directions, and with the mixed second one.
 type Number = Dual<Dual<f64>>;
 
-/// Places of particles, as a function of the coordinates: x, y, z of the first, of the second, …
+/// Places of particles, as a function of the coordinates: x, y, z of the first, of the second, and so on.
 type Places = fn(subject: &Subject, q: &[Number]) -> Vec<Number>;
 
 /// Forces on the particles in the same order, as a function of state.

@@ -45,10 +45,10 @@ struct Known {
     end: (f64, [f64; 3], [f64; 4]),
 }
 
-/// Next to the separatrix (k² = 0.963), where the body turns over every 3.06 units of time,
+/// Next to the separatrix (k² = 0.963), where the body turns over every 3.06 units of time.
 const OVER: (f64, [f64; 4]) =
     (1.7, [0.68374377252166112802, 0.18026217999859793378, -0.18026217999859793378, 0.68374377252166112802]);
-/// and far from it (k² = 1/3).
+/// Far from the separatrix (k² = 1/3).
 const ROUND: (f64, [f64; 4]) =
     (1.0, [0.69797623491966289862, 0.11326595025589795536, -0.11326595025589795536, 0.69797623491966289862]);
 
@@ -205,7 +205,7 @@ fn attitudes_are_set_as_they_are_read() {
 }
 
 lagrangian! {
-    /// A heavy symmetric top on a ball joint,
+    /// A heavy symmetric top on a ball joint.
     pub system Top {
         param A, C, m, l, g, d;
         coord R: rotation;
@@ -218,7 +218,7 @@ lagrangian! {
 }
 
 lagrangian! {
-    /// and the same by angles that are singular far from the vertical.
+    /// A heavy symmetric top by angles that are singular far from the vertical.
     pub system Cardan {
         param A, C, m, l, g, d;
         coord a, b, c;
@@ -263,7 +263,7 @@ fn a_top_passes_through_the_vertical() {
 }
 
 lagrangian! {
-    /// A body that is held at a point,
+    /// A body that is held at a point by a constraint.
     pub system Pinned {
         param a, g;
         coord x: [3], R: rotation;
@@ -275,7 +275,7 @@ lagrangian! {
 }
 
 lagrangian! {
-    /// and the same on a ball joint.
+    /// A body that is held at a point by a ball joint.
     pub system Jointed {
         param a, g;
         coord R: rotation;
@@ -383,7 +383,7 @@ fn neighbours_change_parameters_with_the_motion() {
 }
 
 lagrangian! {
-    /// A body in space under forces, couples and moments, with friction,
+    /// A body in space under forces, couples and moments, with friction.
     pub system Driven {
         param m, a, b, c, g, d, k;
         coord x: [3], R: rotation;
@@ -399,7 +399,7 @@ lagrangian! {
 }
 
 lagrangian! {
-    /// bodies on ball joints, of which one hangs on a hinge, and one is turned by numbers as well,
+    /// Bodies on ball joints, of which one hangs on a hinge, and one is turned by numbers as well.
     pub system Tree {
         param m, a, b, c, g, d, k;
         coord R: [rotation; 2], q, P: rotation;
@@ -417,7 +417,7 @@ lagrangian! {
 }
 
 lagrangian! {
-    /// and relative velocities in T, reversed rotations, products of free ones, axes of one body in another.
+    /// Relative velocities in T, reversed rotations, products of free ones, axes of one body in another.
     pub system Composed {
         param m, a, b, w, c, d, k;
         coord R: rotation, P: rotation, s;

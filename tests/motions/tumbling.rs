@@ -507,7 +507,7 @@ mod analysis {
     }
 
     lagrangian! {
-        /// A body that is held at a point by a constraint, with a spring of torsion about the vertical,
+        /// A body that is held at a point by a constraint, with a spring of torsion about the vertical.
         pub system Pinned {
             param m, g, k, c;
             coord x: [3], R: rotation;
@@ -520,7 +520,7 @@ mod analysis {
     }
 
     lagrangian! {
-        /// and the same on a ball joint.
+        /// A body that is held at a point by a ball joint, with the same spring.
         pub system Jointed {
             param m, g, k, c;
             coord R: rotation;

@@ -5,12 +5,12 @@ use crate::model::Model;
 use std::cell::Cell;
 use std::cmp::Ordering;
 
-/// Formulas of more elements are not printed.
+/// Maximum number of elements of a printed formula.
 const MAX_ELEMENTS: usize = 12_000;
 
-/// Nor are sums of more terms,
+/// Maximum number of terms of a printed sum.
 const MAX_TERMS: usize = 120;
-/// nor formulas nested deeper.
+/// Maximum depth of a printed formula.
 const MAX_DEPTH: usize = 16;
 
 /// Writes values in the names of a model.

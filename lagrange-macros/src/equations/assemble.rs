@@ -169,7 +169,7 @@ pub struct Unreduced {
     pub hessian: Vec<Vec<Entry>>,
     /// S by rows: of a binding ∂φ/∂x, of the velocity of a frame its derivatives by earlier rates.
     pub tangents: Vec<Vec<Entry>>,
-    /// A by rows, of constraints A ẍ + drift = 0,
+    /// A by rows, of constraints A ẍ + drift = 0.
     pub rows: Vec<Vec<Entry>>,
     pub drift: Vec<Value>,
     pub attitudes: Vec<Attitude>,
@@ -178,9 +178,9 @@ pub struct Unreduced {
 /// An attitude, where nothing but ω depends on σ̇ (`model/attitude.rs`).
 #[derive(Clone)]
 pub struct Attitude {
-    /// The first of its coordinates,
+    /// The first of its coordinates.
     pub first: usize,
-    /// and the bindings that are its angular velocity.
+    /// The bindings that are its angular velocity.
     pub spin: [usize; 3],
     pub at: Parameters,
 }

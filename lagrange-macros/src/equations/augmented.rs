@@ -67,7 +67,7 @@ pub struct Factors {
 
 /// One step of the elimination. Neighbours are what the eliminated unknowns couple to.
 enum Elimination {
-    /// z = b / pivot − Σ l z
+    /// z = b / pivot − Σ l z.
     Single {
         x: usize,
         inverse: Value,
@@ -93,9 +93,9 @@ struct Pair {
 
 struct Neighbour {
     index: usize,
-    /// Its couplings to x and y,
+    /// Couplings of the neighbour to x and y.
     coupling: [Value; 2],
-    /// and these times the inverse.
+    /// Couplings times the inverse of the block.
     weight: [Value; 2],
 }
 

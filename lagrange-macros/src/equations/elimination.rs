@@ -33,9 +33,9 @@ pub struct Eliminated {
 /// Solver of the bordered system for any right-hand side.
 #[derive(Clone)]
 pub enum Solver {
-    /// Elimination by the pivots of the matrix itself,
+    /// Elimination by the pivots of the matrix itself.
     Dense(Symmetric, Vec<Plan>),
-    /// or of the larger one that has the bindings among its unknowns.
+    /// Elimination by the pivots of the larger matrix that has the bindings among its unknowns.
     Sparse(Rc<Factors>),
     /// Pivots are found by numbers, where constraints follow from others.
     AtRunTime,

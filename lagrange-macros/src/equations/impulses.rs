@@ -14,10 +14,10 @@ use crate::graph::{Function, Graph, Node, Symbol, Value};
 use crate::model::Model;
 use proc_macro2::Ident;
 
-/// Coordinates and times among which the place of a switch is looked for evenly,
+/// Bound of the coordinates and times among which a switch is searched for in equal parts.
 const RANGE: f64 = 4.0;
 const PARTS: u32 = 64;
-/// and by sizes, up to so many powers of 10.
+/// Number of powers of 10 over which a switch is searched for by orders of magnitude.
 const DECADES: i32 = 9;
 const MOST_ROOTS: usize = 8;
 /// Places at which a switch is looked at.

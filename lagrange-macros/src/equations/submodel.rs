@@ -175,15 +175,15 @@ fn numbers(of: &Model, small: &Model) -> Vec<Option<usize>> {
 /// Differences of two systems, one move apart.
 struct Comparison {
     graph: Graph,
-    /// L, D and the forces of the first, less those of the second,
+    /// L, D and the forces of the first, less those of the second.
     differences: Option<Parts>,
-    /// the next terms of an expansion,
+    /// The next terms of an expansion.
     leading: Vec<(&'static str, Value)>,
-    /// coordinates that only the first depends on,
+    /// Coordinates that only the first depends on.
     freed: Vec<String>,
-    /// an inertia matrix that is positive definite in the first alone,
+    /// Is the inertia matrix positive definite in the first alone?
     indefinite: bool,
-    /// and names of its parameters.
+    /// Names of the parameters of the first.
     labels: Vec<String>,
 }
 

@@ -7,15 +7,15 @@ use proc_macro2::{TokenStream, TokenTree};
 /// Kind of links, with unit masses and lengths or with parameters for them.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub enum Kind {
-    /// A chain by the angles of the links with the vertical,
+    /// A chain by the angles of the links with the vertical.
     Absolute,
-    /// or with the link before,
+    /// A chain by the angles of each link with the previous one.
     Relative,
-    /// on a cart,
+    /// A chain on a cart.
     Cart,
-    /// the same with each position written as a sum from the cart on,
+    /// A chain on a cart, with each position written as a sum from the cart on.
     FromCart,
-    /// and a binary tree: link i hangs on link (i − 1)/2.
+    /// A binary tree: link i hangs on link (i − 1)/2.
     Tree,
 }
 

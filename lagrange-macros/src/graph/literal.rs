@@ -22,7 +22,7 @@ impl Graph {
         self.plus(a, -b)
     }
 
-    /// sum + a b
+    /// Returns sum + a b.
     pub fn plus_product(&mut self, sum: Value, a: Value, b: Value) -> Value {
         let product = self.times(a, b);
         self.plus(sum, product)

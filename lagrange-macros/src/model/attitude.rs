@@ -28,7 +28,7 @@ pub struct Parameters {
     /// D and 1/D
     pub whole: Value,
     pub inverse: Value,
-    /// c and v, of half the quaternion, so that powers of 2 stand in front of whole sums
+    /// c and v, of half the quaternion, so that powers of 2 stand in front of whole sums.
     pub scalar: Value,
     pub vector: Vector,
 }

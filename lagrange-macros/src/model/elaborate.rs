@@ -66,9 +66,9 @@ pub(super) struct Elaborator<'e> {
     bound: Bound,
     /// Terms of bindings that are sums of two, by the binding and the other term.
     terms: Bound,
-    /// Bindings that are sums, with all their terms,
+    /// Bindings that are sums, with all their terms.
     sums: Vec<(Value, Vec<Value>)>,
-    /// and the last of them that has a node among its terms.
+    /// Index in `sums` of the last one that has a node among its terms.
     sums_with: IdMap<usize>,
     depth: usize,
     steps: usize,

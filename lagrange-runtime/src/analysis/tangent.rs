@@ -41,11 +41,11 @@ pub(super) struct Held {
     pub value: f64,
     pub rate: f64,
     pub multiplier: f64,
-    /// Its row of A,
+    /// Its row of A.
     pub row: DVector<f64>,
-    /// the derivatives of this by the coordinates,
+    /// Derivatives of the row by the coordinates.
     pub row_by_coordinates: DMatrix<f64>,
-    /// and those of its rate.
+    /// Derivatives of the constraint's rate by the coordinates.
     pub rate_by_coordinates: DVector<f64>,
 }
 

@@ -29,9 +29,9 @@ pub struct Attitudes {
 
 /// An attitude.
 struct Turn {
-    /// The first of its coordinates,
+    /// The first of its coordinates.
     first: usize,
-    /// and the bindings that are its ω.
+    /// The bindings that are its angular velocity ω.
     spin: [usize; 3],
     /// d and v
     half: [Symbol; 4],
