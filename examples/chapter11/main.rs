@@ -4,14 +4,19 @@
 //! cargo run --release --example chapter11
 //! ```
 //!
-//! The systems, their reference digits and all comparisons are those of `tests/golden`. The program fails if a
-//! comparison fails or a row of the catalogue is missing.
+//! The systems, their reference digits and all comparisons are those of `tests/golden`. The program draws the largest
+//! errors, and fails if a comparison fails or a row of the catalogue is missing.
 
 #[path = "../../tests/golden/main.rs"]
 mod golden;
+#[path = "../support/mod.rs"]
+mod support;
 
 use comfy_table::{CellAlignment, Table, presets};
 use golden::{CATALOGUE, FILES, Kind, Row};
+use lagrange_runtime::chart::{Axis, Chart, Series};
+use std::error::Error;
+use std::path::PathBuf;
 use std::process::ExitCode;
 
 const LEGEND: &str = "\
@@ -20,7 +25,14 @@ equations       largest residue of printed equations, equations derived by hand 
 of bound        largest error of all comparisons of the row, as a part of what is allowed
 facts           s scleronomic  c conservative  p separable  m constant inertia  q quadratic  l linear; ignorable";
 
-fn main() -> ExitCode {
+/// Comparisons by what they are made with.
+const COMPARED: [(&str, &[Kind]); 3] = [
+    ("states", &[Kind::Digits]),
+    ("motion", &[Kind::Motion]),
+    ("equations", &[Kind::Equation, Kind::Identity]),
+];
+
+fn main() -> Result<ExitCode, Box<dyn Error>> {
     let mut rows: Vec<Row> = FILES.iter().flat_map(|rows| rows()).collect();
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
@@ -38,7 +50,7 @@ fn main() -> ExitCode {
         "reference",
         "",
     ]);
-    let (mut failed, mut missing) = (Vec::new(), Vec::new());
+    let (mut failed, mut missing, mut errors) = (Vec::new(), Vec::new(), Vec::new());
     for (index, id) in CATALOGUE.iter().enumerate() {
         let number = (index + 1).to_string();
         let Some(position) = rows.iter().position(|row| row.id == *id) else {
@@ -50,6 +62,7 @@ fn main() -> ExitCode {
         };
         let row = rows.swap_remove(position);
         table.add_row(line(number, &row));
+        errors.push((index + 1, COMPARED.map(|(_, kinds)| row.error(kinds))));
         if !row.ok() {
             failed.push(row);
         }
@@ -80,12 +93,31 @@ fn main() -> ExitCode {
     for row in &rows {
         println!("{}: not in the catalogue, or twice in the files", row.id);
     }
-    if right == CATALOGUE.len() && rows.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    println!("{}", draw(&errors)?.display());
+    Ok(if right == CATALOGUE.len() && rows.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// Chart of the largest errors of each row. Those of 0 are not in it.
+fn draw(errors: &[(usize, [Option<f64>; 3])]) -> Result<PathBuf, Box<dyn Error>> {
+    let chart = Chart::new(
+        "A chapter of a textbook, checked",
+        Axis::linear("row of the catalogue", ""),
+        Axis::log("largest error, relative to the terms", ""),
+    )
+    .subtitle("against 50 digits at given states and along motions, and of equations as they are printed");
+    let chart = COMPARED.iter().enumerate().fold(chart, |chart, (kind, (name, _))| {
+        let points = errors.iter().filter_map(|(row, errors)| Some((*row as f64, errors[kind]?)));
+        chart.with(Series::markers(*name, points.filter(|(_, error)| *error > 0.0)))
+    });
+    let folder = support::charts()?;
+    chart.write(&folder, "chapter11")?;
+    Ok(folder.join("chapter11.svg"))
 }
 
 /// One row as the cells of the table.
 fn line(number: String, row: &Row) -> [String; 12] {
-    let error = |kinds: &[Kind]| row.error(kinds).map_or(String::new(), |error| format!("{error:.0e}"));
+    let [states, motion, equations] =
+        COMPARED.map(|(_, kinds)| row.error(kinds).map_or(String::new(), |error| format!("{error:.0e}")));
     let special = row.special.as_ref();
     let digits = |value: f64| format!("{value:.10}");
     [
@@ -93,9 +125,9 @@ fn line(number: String, row: &Row) -> [String; 12] {
         row.id.to_owned(),
         row.facts.map_or(String::new(), |facts| facts.degrees_of_freedom().to_string()),
         row.facts.map_or(String::new(), facts),
-        error(&[Kind::Digits]),
-        error(&[Kind::Motion]),
-        error(&[Kind::Equation, Kind::Identity]),
+        states,
+        motion,
+        equations,
         format!("{:.0}%", 100.0 * row.share()),
         special.map_or(String::new(), |special| special.name.clone()),
         special.map_or(String::new(), |special| digits(special.value)),

@@ -1,4 +1,5 @@
-//! A sheet as SVG. Each glyph, and each shape that occurs more than twice, is defined once and used by its name.
+//! A sheet as SVG. Each glyph, and each shape and text that occurs more than twice, is defined once and used by its
+//! name.
 
 use super::font::{FAMILY, Font};
 use super::sheet::{FINE, Mark, Pixel, Shape, Sheet, Text, before};
@@ -18,15 +19,21 @@ impl Sheet {
     pub(super) fn svg(&self, letters: Letters) -> String {
         let mut writer = Writer { letters, counts: HashMap::new(), definitions: BTreeMap::new() };
         for mark in &self.marks {
-            if let Shape::Polygon(corners) = &mark.shape {
-                *writer.counts.entry(relative(corners)).or_insert(0) += 1;
-            }
+            let outline = match &mark.shape {
+                Shape::Polygon(corners) => relative(corners),
+                Shape::Text(text) if letters == Letters::Outlines => writer.glyphs(text),
+                _ => continue,
+            };
+            *writer.counts.entry(outline).or_insert(0) += 1;
         }
         let mut body = String::new();
         let mut marks = &self.marks[..];
         while let Some(first) = marks.first() {
-            // Lines and disks of one look that follow each other are one path: dashes, grids, ticks, dots.
-            let alike = marks.iter().take_while(|mark| pen(mark).is_some() && pen(mark) == pen(first));
+            // Lines and disks of one look that follow each other are one path: dashes, grids, ticks, dots. So are small
+            // polygons of one shape: the cells of a map.
+            let alike = marks.iter().take_while(|mark| {
+                pen(mark).is_some() && pen(mark) == pen(first) || is_cell(mark) && are_alike(mark, first)
+            });
             let (now, rest) = marks.split_at(alike.count().max(1));
             writer.marks(now, &mut body);
             marks = rest;
@@ -37,8 +44,11 @@ impl Sheet {
             Letters::Text => format!(" font-family=\"{FAMILY}\""),
         };
         let mut definitions = String::new();
-        for (name, outline) in writer.definitions {
-            let _ = writeln!(definitions, "<path id=\"{name}\" d=\"{outline}\"/>");
+        for (name, shape) in writer.definitions {
+            let _ = match shape {
+                Defined::Path(outline) => writeln!(definitions, "<path id=\"{name}\" d=\"{outline}\"/>"),
+                Defined::Glyphs(glyphs) => writeln!(definitions, "<g id=\"{name}\">{glyphs}</g>"),
+            };
         }
         format!(
             "<svg viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" xmlns=\"http://www.w3.org/2000/svg\">\n\
@@ -61,12 +71,32 @@ fn pen(mark: &Mark) -> Option<Pen> {
     Some((width, ends, mark.colour, mark.opacity))
 }
 
+/// Is a mark an opaque quadrangle? Several of one shape, which have one sense, fill what they cover in one path, too.
+fn is_cell(mark: &Mark) -> bool {
+    mark.opacity == 1.0 && matches!(&mark.shape, Shape::Polygon(corners) if corners.len() == 4)
+}
+
+/// Have two polygons one shape and one colour?
+fn are_alike(a: &Mark, b: &Mark) -> bool {
+    let outline = |mark: &Mark| match &mark.shape {
+        Shape::Polygon(corners) => Some(relative(corners)),
+        _ => None,
+    };
+    (a.colour, a.opacity) == (b.colour, b.opacity) && outline(a) == outline(b)
+}
+
+/// What a name stands for: an outline, or the glyphs of a text.
+enum Defined {
+    Path(String),
+    Glyphs(String),
+}
+
 struct Writer {
     letters: Letters,
-    /// Number of occurrences of each polygon.
+    /// Number of occurrences of each polygon and each text.
     counts: HashMap<String, usize>,
-    /// Outlines by name. A name follows from its outline alone, so that the pictures of one page can share it.
-    definitions: BTreeMap<String, String>,
+    /// Shapes by name. A name follows from its shape alone, so that the pictures of one page can share it.
+    definitions: BTreeMap<String, Defined>,
 }
 
 impl Writer {
@@ -85,8 +115,12 @@ impl Writer {
             Shape::Polygon(corners) => {
                 let (outline, ink) = (relative(corners), ink("fill", mark));
                 let (x, y) = corners.first().copied().unwrap_or_default();
-                if self.counts.get(&outline).is_some_and(|&count| count > 2) {
-                    let name = self.define(format!("s{:08x}", hash(&outline)), format!("M0 0{outline}z"));
+                if is_cell(mark) {
+                    let path: String = marks.iter().map(cell).collect();
+                    writeln!(body, "<path d=\"{path}\"{ink}/>")
+                } else if self.counts.get(&outline).is_some_and(|&count| count > 2) {
+                    let path = Defined::Path(format!("M0 0{outline}z"));
+                    let name = self.define(format!("s{:08x}", hash(&outline)), path);
                     writeln!(body, "<use href=\"#{name}\" x=\"{x}\" y=\"{y}\"{ink}/>")
                 } else {
                     writeln!(body, "<path d=\"M{x} {y}{outline}z\"{ink}/>")
@@ -99,31 +133,43 @@ impl Writer {
         };
     }
 
-    fn define(&mut self, name: String, outline: String) -> String {
-        self.definitions.entry(name.clone()).or_insert(outline);
+    fn define(&mut self, name: String, shape: Defined) -> String {
+        self.definitions.entry(name.clone()).or_insert(shape);
         name
     }
 
     fn outlines(&mut self, text: &Text, mark: &Mark, body: &mut String) -> std::fmt::Result {
-        let Text { font, at: (x, y), upwards, .. } = text;
+        let Text { at: (x, y), upwards, .. } = text;
         let turn = if *upwards { "rotate(-90)" } else { "" };
-        let scale = text.scale();
-        write!(body, "<g transform=\"translate({x} {y}){turn}scale({scale:.5})\"{}>", ink("fill", mark))?;
+        let (scale, ink, glyphs) = (text.scale(), ink("fill", mark), self.glyphs(text));
+        let place = format!("transform=\"translate({x} {y}){turn}scale({scale:.5})\"{ink}");
+        if self.counts.get(&glyphs).is_some_and(|&count| count > 2) {
+            let name = self.define(format!("t{:08x}", hash(&glyphs)), Defined::Glyphs(glyphs));
+            writeln!(body, "<use href=\"#{name}\" {place}/>")
+        } else {
+            writeln!(body, "<g {place}>{glyphs}</g>")
+        }
+    }
+
+    /// The glyphs of a text by their names, which are defined.
+    fn glyphs(&mut self, text: &Text) -> String {
+        let Text { font, .. } = text;
+        let mut glyphs = String::new();
         for glyph in text.glyphs() {
             let outline = font.outline(glyph.character);
             if outline.is_empty() {
                 continue;
             }
             let face = if font.bold { 'b' } else { 'r' };
-            let name = self.define(format!("{face}{:x}", u32::from(glyph.character)), outline.to_owned());
-            write!(body, "<use href=\"#{name}\" x=\"{:.0}\"", glyph.x)?;
+            let path = Defined::Path(outline.to_owned());
+            let name = self.define(format!("{face}{:x}", u32::from(glyph.character)), path);
+            let _ = write!(glyphs, "<use href=\"#{name}\" x=\"{:.0}\"", glyph.x);
             if glyph.y != 0.0 {
-                write!(body, " y=\"{:.0}\"", glyph.y)?;
+                let _ = write!(glyphs, " y=\"{:.0}\"", glyph.y);
             }
-            body.push_str("/>");
+            glyphs.push_str("/>");
         }
-        body.push_str("</g>\n");
-        Ok(())
+        glyphs
     }
 
     fn text(&mut self, text: &Text, mark: &Mark, body: &mut String) -> std::fmt::Result {
@@ -168,6 +214,17 @@ fn relative(points: &[Pixel]) -> String {
         }
     }
     path
+}
+
+/// A polygon as a part of a path.
+fn cell(mark: &Mark) -> String {
+    match &mark.shape {
+        Shape::Polygon(corners) => {
+            let (x, y) = corners.first().copied().unwrap_or_default();
+            format!("M{x} {y}{}z", relative(corners))
+        }
+        _ => String::new(),
+    }
 }
 
 fn stroke(mark: &Mark) -> String {
