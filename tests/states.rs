@@ -554,7 +554,7 @@ mod analysis {
         assert!(error.to_string().contains("the state `e` has the rate 3e1"), "{error}");
     }
 
-    /// A cart stays anywhere, its pole upright or down: what is left of the weight is rounding, and not a force on the
+    /// A cart stays anywhere, its pole upright or down: the rest of the weight is rounding, and not a force on the
     /// cart.
     #[test]
     fn rest_beside_an_ignorable_coordinate() {

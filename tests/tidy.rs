@@ -643,8 +643,7 @@ fn ends_a_sentence(line: &str) -> bool {
         || is_formula()
 }
 
-/// rustdoc shows each comment on a page of its own: one that goes on in the comment of the next field is half a
-/// sentence there.
+/// A tooltip shows one comment: half a sentence, if that goes on in the comment of the next field.
 #[test]
 fn a_doc_comment_stands_alone() {
     assert!(begins_a_sentence("a b + c") && begins_a_sentence("ġ and g̈") && begins_a_sentence("`x`"));
@@ -699,8 +698,8 @@ const OF_NOBODY: [&str; 11] = [
     "wanted",
 ];
 
-/// Predicates of a text that stand before their subject ("Told apart are …"), or are passive and end in "of" ("what is
-/// wanted of it").
+/// Predicates of a text that stand before their subject ("Told apart are …"), or are passive and end in "of" ("is
+/// wanted" with "of it").
 fn turned_round(text: &str) -> Vec<String> {
     const IS: [&str; 5] = ["is", "are", "was", "were", "be"];
     const PARTICLES: [&str; 16] = [

@@ -83,11 +83,11 @@ pub enum Inlining {
 
 /// Computation of the values of a function.
 pub enum Computation {
-    /// By straight-line code.
+    /// Straight-line code.
     Straight(Vec<Value>),
-    /// By this function of the runtime over dual numbers, or by the expressions of the values, if there are any.
+    /// This function of the runtime over dual numbers, and expressions of the values, if there are any.
     Duals(&'static str, Option<Vec<Value>>),
-    /// By a loop that solves M x = right.
+    /// A loop that solves M x = right.
     Loop { values: Vec<Value>, right: Vec<Value> },
     /// Part of the solution of least norm of M x − Aᵀ λ = right, A x = rates, where constraints follow from
     /// others.

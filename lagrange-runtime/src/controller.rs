@@ -64,8 +64,8 @@ pub enum FirstStep<S> {
     note = "adaptive controllers such as `PiController` need a method with an error estimate, such as `Dop853`; all others take `FixedStep`"
 )]
 pub trait Controller<S: Real, const N: usize, E>: Clone {
-    /// True if all steps are equal, as [`first_step`](Self::first_step) says, where that is known of the type. A run
-    /// compiles the loop over steps of the other kind only if it is not.
+    /// True if all steps are equal to [`first_step`](Self::first_step), false if they are not, `None` if the type alone
+    /// does not tell. A run compiles both kinds of time loop only for `None`.
     const EQUAL_STEPS: Option<bool> = None;
 
     /// Source of the size of the first step.

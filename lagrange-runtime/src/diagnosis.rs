@@ -14,7 +14,7 @@ impl Coordinate {
         Coordinate { index, name: Sys::FACTS.coordinates.get(index).copied().unwrap_or_default() }
     }
 
-    /// The coordinate at `index` of a system that only its matrices are known of.
+    /// The coordinate at `index` of a system that is given by its matrices alone.
     #[cfg(feature = "analysis")]
     pub(crate) fn unnamed(index: usize) -> Self {
         Coordinate { index, name: "" }

@@ -5,7 +5,7 @@
 //! - a [`Source`], from which each sample is drawn by its index alone: [`Random`] numbers for any distribution, points
 //!   of a scrambled [`Sobol`] sequence, or a [`Table`];
 //! - a function from such a draw to a system and its start;
-//! - a function that watches the [`Run`] of a sample and gives what is wanted of it: the last state,
+//! - a function that watches the [`Run`] of a sample and returns its output: the last state,
 //!   [samples](Run::sample), times of [events](Run::events), a maximum over the steps;
 //! - a [`Statistic`] that keeps what the study needs of these outputs, and no more: [`Moments`], [`Covariance`],
 //!   [`Histogram`], [`Quantiles`], [`Extrema`], tuples of them, or all outputs by [`Collect`].
@@ -149,7 +149,7 @@ pub use tree::LEAF;
 /// Samples that fail and are kept unless told otherwise.
 const KEPT: usize = 1000;
 
-/// Samples: where they come from, how many there are, and what is made of each.
+/// Samples of a study: their source, their number, and the function that turns each draw into a system and its start.
 #[derive(Clone, Debug)]
 pub struct Ensemble<Src, D> {
     source: Src,
@@ -398,9 +398,10 @@ where
     /// often, and at the end. It is replaced as a whole: whenever the program is killed, the file is a good one. If
     /// it cannot be written, the study ends with an error and the last one stays.
     ///
-    /// A checkpoint of another study is refused. Told apart are the [name](Self::named), source, number of samples,
-    /// method, controller, end, statistic, and the start and accelerations of sample 0, which show most changes of
-    /// the system. What else the functions do cannot be seen: give another name or path where they change.
+    /// A checkpoint of another study is an error. Studies are compared by their [name](Self::named), source, number of
+    /// samples, method, controller, end, statistic, and the start and accelerations of sample 0, which show most
+    /// changes of the system. No comparison sees the rest of what the functions do: give the study another name or
+    /// path if they change.
     #[must_use]
     pub fn checkpoint(self, path: impl Into<PathBuf>, every: Duration) -> Self {
         Study { checkpoint: Some(Checkpoint { path: path.into(), every }), ..self }

@@ -768,7 +768,7 @@ pub struct Dependence {
     /// The number of further constraints that it follows from.
     pub others: u16,
     /// The square of the sine of the angle between its gradient and those of the others; if its gradient vanishes,
-    /// the part that is left of its square.
+    /// the remaining part of the gradient's square.
     pub left: f64,
     /// The number of constraints that are independent.
     pub rank: u16,

@@ -355,8 +355,8 @@ pub fn is_positive_definite(g: &Graph, m: &[Vec<Value>], given: impl Fn(usize) -
     })
 }
 
-/// Is what is left of the diagonal of this matrix more than a millionth of it near the places at which coordinates
-/// are singular: of each coordinate, and of all? Angles are so at quarters of a turn, where axes of rotations meet,
+/// Are the pivots of this matrix more than a millionth of its diagonal near the places at which coordinates are
+/// singular: of each coordinate, and of all? Angles are so at quarters of a turn, where axes of rotations meet,
 /// lengths at 0; a coordinate of no declared kind may be an angle.
 pub fn is_regular(g: &Graph, m: &[Vec<Value>], coordinates: &[Coordinate]) -> bool {
     const DISTANCE: f64 = 1e-4;

@@ -53,7 +53,7 @@ pub fn program(g: &Graph, outputs: &[Value]) -> Program {
     program_from(g, outputs, |_| false)
 }
 
-/// The program that computes these outputs from the state, the parameters and what can be known of these beforehand.
+/// The program that computes these outputs from the state, the parameters and the values that follow from these alone.
 pub fn prepared(g: &Graph, outputs: &[Value]) -> Program {
     program_from(g, outputs, |v| g.is_derived(v))
 }

@@ -350,7 +350,7 @@ where
     Sys: System<WHOLE, Scalar = f64>,
 {
     /// The state of the model that is nearest to one of the system, in the norm of M, `η = Φᵀ M (q − q₀)` and
-    /// `η̇ = Φᵀ M q̇`, and what is left of it. Where a state is beside the constraints, so are the coordinates of the
+    /// `η̇ = Φᵀ M q̇`, and the remainder. Where a state is beside the constraints, so are the coordinates of the
     /// remainder; its energy is that of admissible motions alone.
     pub fn restrict(&self, state: &State<f64, WHOLE>) -> (State<f64, R>, Remainder<WHOLE>) {
         // Attitudes by those parameters that are nearer to the equilibrium.

@@ -84,8 +84,8 @@ pub(super) fn modes(small: &SmallMotion) -> Result<Modes, AnalysisError> {
     Ok(Modes { omega2, errors, weighted: small.inertia() * &shapes, shapes, names: small.names().to_vec() })
 }
 
-/// Turns the shapes `from..to` of one eigenvalue within the space that they span: each in its turn the
-/// projection of that coordinate axis which lies nearest to what is left of the space.
+/// Turns the shapes `from..to` of one eigenvalue within the space that they span: each in turn becomes
+/// the projection of the coordinate axis that lies nearest to the rest of the space.
 fn align(shapes: &mut DMatrix<f64>, small: &SmallMotion, from: usize, to: usize) {
     if to - from < 2 {
         return;

@@ -109,8 +109,8 @@ impl SmallMotion {
     /// [`small_vibrations`](super::small_vibrations) and [`steady`](super::Steady) find them.
     ///
     /// # Hypotheses
-    /// - Accelerations vanish at the state, and stay so: what is left of a force is at most what a displacement by 1e-6
-    ///   changes it. Parameters of an attitude that turns are no coordinates of a steady motion.
+    /// - Accelerations vanish at the state, and stay so: the residual of a force is at most its change under a
+    ///   displacement by 1e-6. Parameters of an attitude that turns are no coordinates of a steady motion.
     /// - Time does not appear in the equations of motion ([`Facts::autonomous`](crate::Facts::autonomous)).
     /// - M is positive definite.
     /// - The state is not on a switch of the forces at which these or their derivatives jump.

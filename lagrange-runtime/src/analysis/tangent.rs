@@ -321,8 +321,8 @@ impl TangentSpace {
         all
     }
 
-    /// Elements of a matrix up to this are none: they are sums that cancel, or what is left of those before the
-    /// projection.
+    /// Magnitude up to which elements of a matrix count as zero: they are sums that cancel, or remainders of elements
+    /// that the projection cancels.
     fn slack(&self, size: &DMatrix<f64>, columns: &[usize]) -> DMatrix<f64> {
         let unit = |i: usize, k: usize| self.units[self.velocities[i]] * self.units[columns[k]];
         let scaled = DMatrix::from_fn(size.nrows(), size.ncols(), |i, k| size[(i, k)] * unit(i, k));

@@ -22,8 +22,8 @@ use core::ops::Range;
 ///
 /// - the first-order index Sᵢ = Var(E[Y | uᵢ]) / Var(Y), by how much the variance would fall if uᵢ were known. All
 ///   together they are 1 at most;
-/// - the total-effect index Tᵢ = E[Var(Y | all but uᵢ)] / Var(Y), what is left of it if all others were known (Homma
-///   and Saltelli 1996). It is no less than Sᵢ, and 0 if the input does nothing.
+/// - the total-effect index Tᵢ = E[Var(Y | all but uᵢ)] / Var(Y), the part of the variance that would remain if all
+///   others were known (Homma and Saltelli 1996). It is no less than Sᵢ, and 0 if the input does nothing.
 ///
 /// Points A and B and the D mixtures of them, in which input i of A is that of B, are those of a Sobol sequence in 2
 /// D dimensions, (D + 2) evaluations a row. Sᵢ is estimated by B · (ABᵢ − A) (Saltelli et al., *Comput. Phys.

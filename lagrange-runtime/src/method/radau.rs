@@ -6,8 +6,8 @@
 //! Differential Equations II*, 1996, IV.8), each of which has only N unknowns, since half of the equations say
 //! `q̇ = v`.
 //!
-//! The iteration ends where what is left of its error, `θ/(1 − θ)` times the last change (θ: rate of convergence), is
-//! far below the estimated error of the step, as far as the true error of order 5 is below the estimate of order 3.
+//! The iteration ends when its remaining error, `θ/(1 − θ)` times the last change (θ: rate of convergence), is far
+//! below the estimated error of the step, as far as the true error of order 5 is below the estimate of order 3.
 //! So no tolerance has to be known here, and at fixed steps the order is kept.
 
 #![allow(clippy::excessive_precision)]

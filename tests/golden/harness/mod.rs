@@ -2,7 +2,7 @@
 //!
 //! | file | the question it answers |
 //! |---|---|
-//! | `subject.rs` | What can be asked of a system, whatever its type? |
+//! | `subject.rs` | Which functions has a system, whatever its type? |
 //! | `compare.rs` | Does it agree with its digits, and with what holds for every Lagrangian? |
 //! | `formula.rs` | Does it satisfy the equations that the source prints? |
 //! | `small.rs` | Are its small vibrations right? |

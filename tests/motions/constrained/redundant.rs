@@ -104,8 +104,8 @@ fn reached<Sys: Linearize<N, Scalar = f64>, const N: usize, const M: usize>(
     }
 }
 
-/// `2 ẍ = 1 − x`. What is left of conditions that depend on each other is shared between them, and falls by a part with
-/// each correction, down to where it has no digits.
+/// `2 ẍ = 1 − x`. Dependent conditions share their residual, and each correction reduces it by a part, down to
+/// rounding.
 #[test]
 fn conditions_that_rounding_contradicts_are_run() {
     let rate = 0.5f64.sqrt();

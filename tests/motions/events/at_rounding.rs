@@ -217,7 +217,7 @@ fn no_ball_falls_through_a_shaken_floor() {
     assert!(impacts > 500, "{impacts}");
 }
 
-/// Impacts on the parabola y = x² / 2, with what is left of the velocities along and across it.
+/// Impacts on the parabola y = x² / 2, with the remaining parts of the velocities along and across it.
 #[test]
 #[cfg_attr(not(feature = "long"), ignore = "long")]
 fn no_ball_falls_through_a_hollow() {

@@ -165,8 +165,8 @@ fn searches_for_equilibria_pass_the_line() {
 /// (m₁ + m₃) l²/3 + m₂ l².
 const MASS: f64 = 3.4 * 0.49 / 3.0 + 0.8 * 0.49;
 
-/// A crank that is so light that rounding is all that is left of its inertia is told, and one that costs no digits is
-/// not: which of them it is depends on the order in which accelerations are found.
+/// A run reports a crank that is so light that its inertia is lost in rounding, and none that costs no digits: which
+/// of them it is depends on the order in which accelerations are found.
 #[test]
 fn light_cranks_are_right_or_told() {
     let mut told = 0;

@@ -1,4 +1,4 @@
-//! Motions with choices in their equations, against what is known of their pieces.
+//! Motions with choices in their equations, against the closed forms of their pieces.
 
 use super::*;
 use crate::systems::emitted::{Block, Wedge};

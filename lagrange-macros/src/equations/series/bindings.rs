@@ -126,7 +126,7 @@ fn turned(g: &mut Graph, model: &Model, attitudes: &mut Attitudes) -> (Vec<[Valu
     (flat, at)
 }
 
-/// The order of elimination in which what is wanted of the unknowns has the fewest operations.
+/// The order of elimination in which the required unknowns have the fewest operations.
 fn cheapest<'a>(
     g: &mut Graph,
     known: &'a Known,

@@ -25,8 +25,8 @@ pub struct Substitution {
 }
 
 impl Substitution {
-    /// Solves by the inverse: no unknown waits for another. Where the matrix is nearly singular unknowns may be large
-    /// and cancel, and what is left of them is lost with an inverse, which has each of them for itself.
+    /// Solves by the inverse: no unknown waits for another. Where the matrix is nearly singular, unknowns may be large
+    /// and cancel; an inverse computes each of them by itself and loses the difference.
     pub fn explicit(g: &mut Graph, unknowns: &[Value]) -> Substitution {
         let mut inverse = vec![Terms::new(); unknowns.len()];
         for j in 0..unknowns.len() {

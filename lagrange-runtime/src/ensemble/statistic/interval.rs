@@ -6,8 +6,8 @@ use crate::ensemble::distribution::student_quantile;
 /// Confidence interval of what a statistic of independent samples estimates. Of a tuple it is that of the first
 /// statistic.
 pub trait ConfidenceInterval {
-    /// Ends of the interval that covers the true value with this probability, such as 0.95. They are not finite where
-    /// nothing is known of it.
+    /// Ends of the interval that covers the true value with this probability, such as 0.95. They are not finite if
+    /// there are too few samples for an interval.
     fn confidence_interval(&self, confidence: f64) -> [f64; 2];
 
     /// Half the length of the interval.

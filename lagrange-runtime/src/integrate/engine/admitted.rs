@@ -9,8 +9,8 @@ use nalgebra::SVector;
 /// The largest violation of a constraint, as in [`Restored::violation`], that is taken for rounding in a given start.
 pub(super) const CONSISTENT: f64 = 1e-6;
 
-/// The same after an input has changed, of a state that was on the constraints before. What is left of many small jumps
-/// adds up.
+/// The same after an input has changed, for a state that was on the constraints before: the remainders of many small
+/// jumps add up.
 pub(super) const STILL_CONSISTENT: f64 = 1e-10;
 
 /// The part of a state that is not finite. (Names of coordinates are found by [`System::explained`].)

@@ -61,7 +61,7 @@ impl<S: Scalar, const N: usize> Place<S, N> {
 }
 
 impl<S: Scalar, const N: usize> Refined<S, N> {
-    /// The interpolant of a step of size `h`, from what is known of its middle and its end.
+    /// The interpolant of a step of size `h`, from states and derivatives at its middle and its end.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub(super) fn new(from: &State<S, N>, h: S, [middle, end]: [&Place<S, N>; 2], evaluations: u32) -> Self {
         let velocity = |place: &Place<S, N>| (from.qd + place.increment.qd) * h;
