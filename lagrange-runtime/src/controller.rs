@@ -193,7 +193,7 @@ impl<S: Real> FixedStep<S> {
         FixedStep { h }
     }
 
-    /// The size of the steps that was asked for, in units of t.
+    /// The given step size, in units of t.
     pub const fn size(&self) -> S {
         self.h
     }

@@ -104,7 +104,7 @@ impl<D: Clone> DataInLanes<D> {
         let _ = (lane, data);
     }
 
-    /// The value of one of the functions: that of a system alone, or of those in lanes.
+    /// The value of the function of a single system, or the values of the functions of all lanes.
     #[inline]
     pub fn value<F: ExternFunction<A>, S: Scalar, const A: usize>(
         &self,

@@ -33,8 +33,8 @@ pub struct Modes {
 pub enum ModeKind {
     /// ω² > 0: it oscillates.
     Vibration,
-    /// ω² = 0 but for errors of the entries of M and K (8 units of 2⁻⁵², and what a rounding of the state makes of
-    /// them): it drifts with constant velocity, as a rigid body does.
+    /// ω² = 0 but for errors of the entries of M and K (8 units of 2⁻⁵², and their change by a rounding of the state):
+    /// it drifts with constant velocity, as a rigid body does.
     Rigid,
     /// ω² < 0: it grows exponentially.
     Unstable,

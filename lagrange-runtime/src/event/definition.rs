@@ -123,7 +123,7 @@ impl<G> Event<G> {
         self
     }
 
-    /// Gives the event a name, by which its occurrences can be told from others.
+    /// Gives the event a name, by which its occurrences are distinguished from those of other events.
     pub fn named(mut self, name: &'static str) -> Self {
         self.kind.name = name;
         self
