@@ -131,7 +131,7 @@ where
         if let Status::Failed(failure) = self.engine.status { Some(failure) } else { None }
     }
 
-    /// The end given by [`until`](Self::until).
+    /// The end given by [`until`](Self::until), in units of t.
     pub fn end(&self) -> Option<Sys::Scalar> {
         self.engine.end
     }

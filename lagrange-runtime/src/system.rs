@@ -787,9 +787,9 @@ pub fn dual_jacobian<S: Scalar, Sys: System<N, Scalar = Dual<S>>, const N: usize
     jacobian
 }
 
-/// The inertia matrix `∂p/∂q̇` by dual numbers, one evaluation of the momenta for each column. `system` is the system
-/// over duals, with constant parameters. Emitted for systems of many coordinates, whose matrix would be longer than
-/// all the rest.
+/// The inertia matrix `∂p/∂q̇`, `N × N`, by dual numbers, one evaluation of the momenta for each column. `system` is
+/// the system over duals, with constant parameters. Emitted for systems of many coordinates, whose matrix would be
+/// longer than all the rest.
 pub fn dual_inertia<S: Scalar, Sys: Lagrangian<N, Scalar = Dual<S>>, const N: usize>(
     system: &Sys,
     q: &SVector<S, N>,

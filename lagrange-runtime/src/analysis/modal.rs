@@ -301,12 +301,13 @@ impl<Sys, const WHOLE: usize, const R: usize, const K: usize> ModalModel<Sys, WH
         &self.whole
     }
 
-    /// The equilibrium q₀.
+    /// The equilibrium q₀, of length `WHOLE`, in the units of the coordinates.
     pub fn equilibrium(&self) -> &SVector<f64, WHOLE> {
         &self.place
     }
 
-    /// Φ: the shapes of the modes that are kept, a column for each, `Φᵀ M Φ = 1`.
+    /// Φ, `WHOLE × R`: the shapes of the kept modes, one per column, with `Φᵀ M Φ = 1`: in the units of q over the root
+    /// of the unit of M (kg^−½ for lengths).
     pub fn shapes(&self) -> &SMatrix<f64, WHOLE, R> {
         &self.shapes
     }
@@ -323,7 +324,7 @@ impl<Sys, const WHOLE: usize, const R: usize, const K: usize> ModalModel<Sys, WH
         self.all.others(&self.kept).next().map(|k| self.all.squares[k].sqrt())
     }
 
-    /// The largest amplitude, to first order, of a mode that is left out beside one that is kept, which moves it by
+    /// The largest amplitude, to first order, of a mode that is left out, relative to the kept one that moves it by
     /// damping and gyroscopic terms: `|cₗₖ s| / |ωₗ² − ωₖ² + i cₗₗ s|` with `cₗₖ = φₗᵀ C φₖ` and `s = ωₖ`, or `cₖₖ` of
     /// a rigid mode, which these slow down. 0 where C is diagonal in modes, as with Rayleigh's damping; what is not
     /// small beside 1 says that the modes belong together.

@@ -241,7 +241,7 @@ pub trait TangentFlow<const N: usize> {
     /// The first coordinates of the attitudes among the coordinates ([`System::ATTITUDES`]).
     const ATTITUDES: &'static [usize] = &[];
 
-    /// The accelerations q̈.
+    /// The accelerations q̈, of length N, in the units of q over the square of the unit of t.
     fn accel(&self, at: &State<f64, N>) -> SVector<f64, N>;
 
     /// The state near `at` that satisfies the constraints, and an orthonormal basis of the deviations that they

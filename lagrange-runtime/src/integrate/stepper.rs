@@ -241,7 +241,7 @@ where
         &mut self.system
     }
 
-    /// The inputs that are held.
+    /// The inputs that are held, K of them in the order of the definition, each in its unit.
     pub fn inputs<const K: usize>(&self) -> SVector<Sys::Scalar, K>
     where
         Sys: Inputs<N, K>,
