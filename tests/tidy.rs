@@ -6,6 +6,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
+#[path = "tidy/prose.rs"]
+mod reading;
+
 /// The folder of the repository.
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
@@ -516,304 +519,89 @@ fn the_guide_has_its_chapters_and_examples() {
     assert!(examples > 0);
 }
 
+/// The gallery has a row for each example, with a picture and a sentence.
 #[test]
 fn the_gallery_shows_each_example() {
     let read = |path: &str| fs::read_to_string(Path::new(ROOT).join(path)).expect("a file of the repository");
     let (manifest, gallery) = (read("examples/Cargo.toml"), read("docs/gallery.md"));
     let names: Vec<&str> =
         manifest.split("[[example]]\nname = \"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
-    let missing: Vec<_> = names.iter().filter(|name| !gallery.contains(&format!("`{name}`"))).collect();
+    let is_shown = |name: &str| {
+        gallery.lines().any(|line| {
+            let cells: Vec<&str> = line.split('|').map(str::trim).collect();
+            let [_, picture, example, sentence, _] = cells[..] else { return false };
+            (example == format!("`{name}`") || sentence.contains(&format!("`{name}`")))
+                && picture.starts_with("![")
+                && sentence.ends_with(['.', '?', ')'])
+        })
+    };
+    let missing: Vec<_> = names.iter().filter(|name| !is_shown(name)).collect();
     assert!(missing.is_empty() && names.len() > 20, "{missing:?}");
 }
 
-/// Folders whose documentation and comments are read as prose.
-const DOCUMENTED: [&str; 5] = ["lagrange-runtime/src", "lagrange-macros/src", "examples", "tests", "benches"];
-
-/// Words with which a clause without a subject begins.
-const HEADLESS: [&str; 18] = [
-    "As",
-    "At which",
-    "By",
-    "For which",
-    "How",
-    "Of",
-    "On which",
-    "So many",
-    "That of",
-    "That on",
-    "That which",
-    "Those",
-    "What",
-    "When",
-    "Where",
-    "Whether",
-    "Which",
-    "Why",
-];
-
-/// First lines of documentation that begin with one of `HEADLESS`, with their places.
-fn headless(folder: &str) -> Vec<String> {
-    let mut found = Vec::new();
-    for (name, text) in prose(folder) {
-        let mut before = "";
-        for (i, line) in text.lines().map(str::trim).enumerate() {
-            let marks = ["///", "//!"].into_iter().find(|marks| line.starts_with(marks));
-            let first =
-                marks.filter(|marks| !before.starts_with(marks)).map(|marks| line[marks.len()..].trim());
-            let begins = |text: &str, word: &str| {
-                text.strip_prefix(word).is_some_and(|rest| rest.starts_with([' ', ',']))
+/// Pictures load at once, each is in a document, and each chapter of the guide has one, but for three that explain
+/// words and code.
+#[test]
+fn pictures_are_small_and_shown() {
+    let root = Path::new(ROOT);
+    let all: String = documents().into_values().collect();
+    for folder in ["docs/gallery", "docs/guide/src/images", "docs/lab"] {
+        for entry in fs::read_dir(root.join(folder)).expect("a folder of the repository") {
+            let entry = entry.expect("an entry");
+            let name = entry.file_name().to_string_lossy().into_owned();
+            let most = match name.rsplit_once('.').unwrap_or_default().1 {
+                "svg" => 300_000,
+                "png" | "html" => 1_000_000,
+                _ => continue,
             };
-            if let Some(first) = first.filter(|text| HEADLESS.iter().any(|word| begins(text, word))) {
-                found.push(format!("{folder}/{name}:{}: {first}", i + 1));
-            }
-            before = line;
+            let size = entry.metadata().expect("a file").len();
+            assert!(size <= most, "{folder}/{name}: {size} bytes");
+            assert!(
+                all.contains(&format!("/{name})")) || all.contains(&format!("({name})")),
+                "{name} is shown nowhere"
+            );
         }
     }
-    found
-}
-
-/// An IDE shows the first sentence of documentation, which therefore begins with what the thing is or does: "Returns
-/// …", "Double buffer of …".
-#[test]
-fn documentation_begins_with_a_subject() {
-    for folder in DOCUMENTED {
-        let found = headless(folder);
-        assert!(found.is_empty(), "{folder}: {found:#?}");
-    }
-}
-
-/// One block of documentation: consecutive lines with the same marks, without them, and its place.
-struct Block {
-    place: String,
-    lines: Vec<String>,
-}
-
-/// Blocks of documentation in the sources below a folder.
-fn blocks(folder: &str) -> Vec<Block> {
-    let mut found: Vec<Block> = Vec::new();
-    for (name, text) in prose(folder) {
-        let mut before = None;
-        for (i, line) in text.lines().map(str::trim).enumerate() {
-            let marks = ["///", "//!"].into_iter().find(|marks| line.starts_with(marks));
-            if let Some(marks) = marks {
-                if before != Some(marks) {
-                    found.push(Block { place: format!("{folder}/{name}:{}", i + 1), lines: Vec::new() });
-                }
-                let block = found.last_mut().expect("the block of this line");
-                block.lines.push(line[marks.len()..].trim().into());
-            }
-            before = marks;
-        }
-    }
-    found
-}
-
-/// Does a text begin as a sentence or with a symbol? A word of one or two letters that is not a common one is a symbol
-/// (`x`, `dθ`), and so is the name of an elementary function.
-fn begins_a_sentence(text: &str) -> bool {
-    const COMMON: [&str; 18] = [
-        "a", "an", "as", "at", "be", "by", "do", "if", "in", "is", "it", "no", "of", "on", "or", "so", "to",
-        "we",
-    ];
-    const NAMES: [&str; 6] = ["cos", "exp", "log", "rustc", "sin", "tan"];
-    if !text.starts_with(|c: char| c.is_ascii_lowercase()) {
-        return true;
-    }
-    let word: String = text.chars().take_while(char::is_ascii_lowercase).collect();
-    // (In `a b + c` and `a / b`, `a` is a symbol: no word follows.)
-    let rest = text[word.len()..].trim_start();
-    let is_followed = rest.chars().take_while(char::is_ascii_lowercase).count() > 1;
-    NAMES.contains(&word.as_str()) || word.len() <= 2 && !(COMMON.contains(&word.as_str()) && is_followed)
-}
-
-/// Does the last line of a block end a sentence, a listing, a table or a formula?
-fn ends_a_sentence(line: &str) -> bool {
-    let bare = line.trim_end_matches(['"', '”', '’', ')', '`', '*', '_']);
-    let is_definition = line.starts_with('[') && line.contains("]: ");
-    // A formula has no words beside names in backticks.
-    let is_formula = || {
-        let outside: String = line.split('`').step_by(2).collect::<Vec<_>>().join(" ");
-        let mut words = outside.split(|c: char| !c.is_ascii_alphabetic());
-        words.all(|word| word.len() <= 2 || ["and", "cos", "exp", "sin"].contains(&word))
-    };
-    bare.ends_with(['.', ':', '!', '?'])
-        || line.ends_with("```")
-        || line.ends_with('|')
-        || is_definition
-        || is_formula()
-}
-
-/// An IDE shows each comment by itself: one that goes on in the comment of the next field is cut in half there.
-#[test]
-fn a_doc_comment_stands_alone() {
-    assert!(begins_a_sentence("a b + c") && begins_a_sentence("ġ and g̈") && begins_a_sentence("`x`"));
-    assert!(
-        !begins_a_sentence("and the same") && !begins_a_sentence("a matrix") && !begins_a_sentence("by rows")
-    );
-    assert!(ends_a_sentence("`a < b`") && ends_a_sentence("(see there.)") && ends_a_sentence("M⁻¹ x"));
-    assert!(!ends_a_sentence("Its row of A,") && !ends_a_sentence("Number of shots"));
-    let mut wrong = Vec::new();
-    for folder in DOCUMENTED {
-        for Block { place, lines } in blocks(folder) {
-            let mut lines = lines.iter().filter(|line| !line.is_empty());
-            let Some(first) = lines.next() else { continue };
-            let last = lines.next_back().unwrap_or(first);
-            if !begins_a_sentence(first) || !ends_a_sentence(last) {
-                wrong.push(format!("{place}: {first} … {last}"));
-            }
-        }
-    }
-    assert!(wrong.is_empty(), "{}: {wrong:#?}", wrong.len());
-}
-
-/// Paragraphs and rows of tables of a Markdown text, each in one line with the number of its first one. Listings are
-/// left out.
-fn paragraphs<'a>(lines: impl Iterator<Item = &'a str>) -> Vec<(usize, String)> {
-    let (mut found, mut code, mut open) = (Vec::<(usize, String)>::new(), false, false);
-    for (i, line) in lines.map(str::trim).enumerate() {
-        let is_fence = line.starts_with("```");
-        code ^= is_fence;
-        let is_item = line.starts_with("- ") || line.starts_with("| ");
-        if is_fence || code || line.is_empty() {
-            open = false;
-        } else if let Some((_, text)) = found.last_mut().filter(|_| open && !is_item) {
-            *text = format!("{text} {line}");
-        } else {
-            found.push((i, line.trim_start_matches("- ").into()));
-            open = true;
-        }
-    }
-    found
-}
-
-/// Participles that do not end in -ed.
-const PARTICIPLES: [&str; 20] = [
-    "begun", "chosen", "done", "drawn", "found", "given", "held", "kept", "known", "left", "lost", "made",
-    "meant", "said", "shown", "sought", "taken", "thought", "told", "written",
-];
-
-/// Passive predicates that end in "of", with nobody who acts.
-const OF_NOBODY: [&str; 11] = [
-    "asked", "demanded", "expected", "known", "looked", "required", "said", "spoken", "thought", "told",
-    "wanted",
-];
-
-/// Predicates of a text that stand before their subject, or are passive and end in "of"; the test has examples.
-fn turned_round(text: &str) -> Vec<String> {
-    const IS: [&str; 5] = ["is", "are", "was", "were", "be"];
-    const PARTICLES: [&str; 16] = [
-        "alone", "also", "apart", "at", "by", "for", "from", "in", "of", "on", "out", "over", "there", "to",
-        "too", "up",
-    ];
-    const NOUNS: [&str; 8] = ["bed", "feed", "hundred", "need", "red", "seed", "shed", "speed"];
-    let words: Vec<&str> = text.split_whitespace().collect();
-    let bare = |word: &str| word.trim_matches(|c: char| !c.is_alphanumeric()).to_lowercase();
-    let is_participle =
-        |word: &str| PARTICIPLES.contains(&word) || word.ends_with("ed") && !NOUNS.contains(&word);
-    let mut found = Vec::new();
-    for i in 0..words.len() {
-        let at = |k: usize| words.get(i + k).copied().unwrap_or_default();
-        let begins = i == 0 || words[i - 1].ends_with(['.', '!', '?', ':', ';', '|', ')']);
-        let is_plain = |word: &str| word.chars().all(|c| c.is_ascii_alphabetic());
-        if begins && is_plain(at(0)) && is_participle(&bare(at(0))) {
-            let next = if PARTICLES.contains(&at(1)) { 2 } else { 1 };
-            if IS[..4].contains(&at(next)) {
-                found.push(words[i..(i + 8).min(words.len())].join(" "));
-            }
-        }
-        let is_of_nobody = IS.contains(&at(0)) && OF_NOBODY.contains(&at(1)) && bare(at(2)) == "of"
-            || ["what", "that"].contains(&bare(at(0)).as_str())
-                && IS.contains(&at(1))
-                && ["left", "made"].contains(&at(2))
-                && bare(at(3)) == "of"
-                && !(bare(at(0)) == "that" && at(2) == "made");
-        if is_of_nobody {
-            found.push(words[i.saturating_sub(3)..(i + 6).min(words.len())].join(" "));
-        }
-    }
-    found
-}
-
-/// A sentence has its subject first, and says who acts.
-#[test]
-fn predicates_follow_their_subjects() {
-    for wrong in [
-        "Told apart are the name and the source.",
-        "It is 1. Missed is the first one.",
-        "A function that gives what is wanted of it.",
-        "What is made of each.",
-    ] {
-        assert_eq!(turned_round(wrong).len(), 1, "{wrong}");
-    }
-    for right in ["Speed is a ratio.", "Angles are in radians.", "It is made of the samples.", "Seed is 1."] {
-        assert!(turned_round(right).is_empty(), "{right}");
-    }
-    let mut wrong = Vec::new();
-    let mut look = |place: &str, text: &str| {
-        wrong.extend(turned_round(text).into_iter().map(|found| format!("{place}: {found}")));
-    };
-    for folder in DOCUMENTED {
-        for Block { place, lines } in blocks(folder) {
-            for (_, text) in paragraphs(lines.iter().map(String::as_str)) {
-                look(&place, &text);
-            }
-        }
-    }
-    let is_read =
-        |name: &str| name == "README.md" || name.starts_with("docs/") && !name.starts_with("docs/lab/");
-    for (name, text) in documents().iter().filter(|(name, _)| is_read(name)) {
-        for (i, text) in paragraphs(text.lines()) {
-            look(&format!("{name}:{}", i + 1), &text);
-        }
-    }
-    assert!(wrong.is_empty(), "{}: {wrong:#?}", wrong.len());
-}
-
-/// Columns of a comment, but for tables and for code in documentation.
-const COLUMNS: usize = 120;
-
-/// Comments are read beside code, and are as wide.
-#[test]
-fn comments_are_no_wider_than_code() {
-    let mut wide = Vec::new();
-    for folder in ["lagrange-runtime", "lagrange-macros", "examples", "tests", "benches"] {
-        for (name, text) in prose(folder) {
-            let mut code = false;
-            for (i, line) in text.lines().enumerate() {
-                let comment = line.trim_start();
-                let words = comment.trim_start_matches(['/', '!']).trim_start();
-                code ^= comment.starts_with("//") && words.starts_with("```");
-                let is_prose =
-                    comment.starts_with("//") && !code && !words.starts_with('|') && words.contains(' ');
-                if is_prose && line.chars().count() > COLUMNS {
-                    wide.push(format!("{folder}/{name}:{}", i + 1));
-                }
-            }
-        }
-    }
-    assert!(wide.is_empty(), "{wide:#?}");
-}
-
-/// Documents are read in an editor, too, and their changes line by line. Tables, pictures and code keep their lines.
-#[test]
-fn documents_are_no_wider_than_code() {
-    let mut wide = Vec::new();
     for (name, text) in documents() {
-        let mut code = false;
-        for (i, line) in text.lines().enumerate() {
-            let words = line.trim_start();
-            code ^= words.starts_with("```");
-            let is_prose = !code && !words.starts_with(['|', '!', '<']);
-            if is_prose && line.chars().count() > COLUMNS {
-                wide.push(format!("{name}:{}", i + 1));
-            }
-        }
+        let Some(chapter) = name.strip_prefix("docs/guide/src/") else { continue };
+        let is_plain = ["SUMMARY.md", "glossary.md", "failures.md", "coming-from.md"].contains(&chapter);
+        assert!(is_plain || text.contains("](images/"), "{chapter} has no picture");
     }
-    assert!(wide.is_empty(), "{wide:#?}");
 }
 
-/// The chapter on failures has a row for each variant of `Failure`, and for each kind of malformed system messages
-/// that the compiler gives.
+/// First lines of the errors and warnings in an output of rustc, without the constant that a warning of the macro uses.
+fn messages(stderr: &str) -> Vec<String> {
+    let of = |line: &str| {
+        let (head, message) = line.split_once(": ")?;
+        let is_head = ["error", "warning"]
+            .into_iter()
+            .any(|word| head == word || head.starts_with(&format!("{word}[")));
+        let message = match message.strip_prefix("use of deprecated constant `") {
+            Some(rest) => rest.split_once("`: ")?.1,
+            None => message,
+        };
+        is_head.then(|| message.to_string())
+    };
+    stderr.lines().filter_map(of).collect()
+}
+
+/// A message without its names, which are in backticks, and its numbers.
+fn form(message: &str) -> String {
+    let without_names = message.split('`').enumerate().map(|(i, part)| if i % 2 == 1 { "" } else { part });
+    let text = without_names.collect::<Vec<_>>().join("`");
+    let mut form = String::new();
+    for c in text.chars() {
+        let is_more = c.is_ascii_digit() && form.ends_with('0');
+        if !is_more {
+            form.push(if c.is_ascii_digit() { '0' } else { c });
+        }
+    }
+    form
+}
+
+/// The chapter on failures has a row for each variant of `Failure`, and one for each kind of message that the compiler
+/// gives: with names and numbers left out, every message of tests/ui/fail begins as one of a row (or
+/// is one, if that has only one or two words).
 #[test]
 fn the_guide_explains_each_failure() {
     let read = |path: &str| fs::read_to_string(Path::new(ROOT).join(path)).expect("a file of the repository");
@@ -833,14 +621,19 @@ fn the_guide_explains_each_failure() {
     assert!(missing.is_empty(), "{missing:?}");
 
     let mut explained = BTreeSet::new();
+    let mut beginnings = Vec::new();
     for section in chapter.split("\n### ").skip(1) {
         let kinds = section.split_once("<!-- ").and_then(|(_, rest)| rest.split_once(" -->"));
         let kinds: Vec<&str> = kinds.expect("the programs of a kind").0.split(' ').collect();
-        let messages: String = kinds.iter().map(|kind| read(&format!("{kind}.stderr"))).collect();
+        let messages: Vec<String> =
+            kinds.iter().flat_map(|kind| messages(&read(&format!("{kind}.stderr")))).collect();
         explained.extend(kinds.into_iter().map(|kind| kind.replace("tests/ui/fail/", "")));
         for row in section.lines().filter(|line| line.starts_with("| ")).skip(1) {
-            let message = row.trim_start_matches("| ").split(" | ").next().unwrap_or_default();
-            assert!(messages.contains(message), "no such message: {message}");
+            let cell = row.trim_start_matches("| ").split(" | ").next().unwrap_or_default();
+            for beginning in cell.replace("\\|", "|").split("<br>") {
+                assert!(messages.iter().any(|m| m.starts_with(beginning)), "no such message: {beginning}");
+                beginnings.push(form(beginning));
+            }
         }
     }
     let of_kind = |path: std::path::PathBuf| {
@@ -850,6 +643,18 @@ fn the_guide_explains_each_failure() {
     let folder = fs::read_dir(Path::new(ROOT).join("tests/ui/fail")).expect("a folder of the repository");
     let kinds: BTreeSet<String> = folder.filter_map(|entry| of_kind(entry.ok()?.path())).collect();
     assert_eq!(explained, kinds);
+    let forms: BTreeSet<String> = kinds
+        .iter()
+        .flat_map(|kind| messages(&read(&format!("tests/ui/fail/{kind}.stderr"))))
+        .map(|message| form(&message))
+        .collect();
+    // One or two words are no kind, but may be a whole message.
+    let begins = |form: &str, beginning: &str| {
+        form == beginning || beginning.split(' ').count() > 2 && form.starts_with(beginning)
+    };
+    let is_missing = |form: &&String| !beginnings.iter().any(|beginning| begins(form, beginning));
+    let missing: Vec<_> = forms.iter().filter(is_missing).collect();
+    assert!(missing.is_empty() && forms.len() > 300, "{} of {}: {missing:#?}", missing.len(), forms.len());
 }
 
 /// A reader of the crate's front page sees a bounded number of names.

@@ -33,10 +33,9 @@ pub mod goal {
 
     /// Variant of [`Accuracy`] for a system that may have much faster rates than those of its motion.
     ///
-    /// It has to be said: what the compiler proves holds for all parameters, and none makes a system stiff; and the
-    /// rates at the start, which a Jacobian would tell, say nothing about later ones. A run by `Accuracy` of a stiff
-    /// system is not wrong but long, and ends in [`Failure::BudgetUsedUp`](crate::Failure::BudgetUsedUp), which
-    /// advises this.
+    /// Stiffness has to be declared: the compiler's proofs hold for all parameters, whose values make a system stiff,
+    /// and a Jacobian at the start would not show later rates. A run by `Accuracy` of a stiff system is not wrong but
+    /// long, and ends in [`Failure::BudgetUsedUp`](crate::Failure::BudgetUsedUp), which advises this.
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub struct Stiff(pub f64);
 }

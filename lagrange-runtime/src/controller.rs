@@ -74,7 +74,7 @@ pub trait Controller<S: Real, const N: usize, E>: Clone {
     /// Returns whether what the user gave makes sense.
     fn check(&self) -> Result<(), Failure<S>>;
 
-    /// The size of a difference of states near `a` and `b`; 1 is what is tolerated.
+    /// The dimensionless norm of a difference of states near `a` and `b`; 1 is the tolerance.
     fn norm(&self, difference: &Tangent<S, N>, a: &State<S, N>, b: &State<S, N>) -> f64;
 
     /// Returns whether the projection onto the constraints of a system may move the end of a step from `from` by
@@ -88,10 +88,10 @@ pub trait Controller<S: Real, const N: usize, E>: Clone {
     /// Judges a step from `from` to `to`, with the given error estimate, of a method of the given order.
     fn judge(&mut self, from: &State<S, N>, to: &State<S, N>, error: &E, order: u32) -> Verdict;
 
-    /// Factor by which to shorten a step that could not be made, or `None` to give up.
+    /// Factor by which to shorten a step that failed, dimensionless and below 1, or `None` to give up.
     fn after_failure(&mut self) -> Option<f64>;
 
-    /// The relative tolerance, if there is one above 0, for methods that adapt to it.
+    /// The relative tolerance, dimensionless, if there is one above 0, for methods that adapt to it.
     #[inline(always)]
     fn relative_tolerance(&self) -> Option<f64> {
         None
@@ -119,17 +119,17 @@ pub struct NoEstimate;
     note = "use `FixedStep::new(h)`, or a method with an error estimate, such as `Dop853` or `DormandPrince5`; `Taylor` has a controller of its own, `TaylorController::tolerance(…)`"
 )]
 pub trait ErrorEstimate<S: Scalar, const N: usize> {
-    /// The square of the size of the error, in the norm whose square is given. (Roots are not needed to control
-    /// steps.) Sizes are numbers `R`, `f64` or lanes.
+    /// The square of the dimensionless norm of the error. (Step-size control needs no roots.) `R` is `f64` or lanes.
     fn square<R: Scalar>(&self, norm: &impl SquareNorm<S, R, N>) -> R;
 }
 
 /// The square of a norm. (No closure: one that is not inlined is compiled for the least processor, and lanes with it.)
 pub trait SquareNorm<S: Scalar, R: Scalar, const N: usize> {
-    /// The square of the norm of an error.
+    /// The square of the norm of an error, dimensionless.
     fn of(&self, error: &Tangent<S, N>) -> R;
 
-    /// Lower bound of the square of the error of a step of order 8, over the square of an estimate of order 3.
+    /// Lower bound of the dimensionless ratio of the square of the error of a step of order 8 to the square of an
+    /// estimate of order 3.
     fn eighth_by_third(&self) -> f64;
 }
 
@@ -193,7 +193,7 @@ impl<S: Real> FixedStep<S> {
         FixedStep { h }
     }
 
-    /// The size of the steps that was asked for, in units of t.
+    /// The given step size, in units of t.
     pub const fn size(&self) -> S {
         self.h
     }
@@ -245,7 +245,7 @@ pub trait AbsoluteTolerance<const N: usize>: Copy + fmt::Debug {
     /// Absolute tolerance of the velocity `i`, in its unit.
     fn qd(&self, i: usize) -> f64;
 
-    /// The smallest of them.
+    /// The smallest of them, in its unit.
     fn least(&self) -> f64 {
         (0..N).fold(f64::INFINITY, |least, i| least.min(self.q(i)).min(self.qd(i)))
     }

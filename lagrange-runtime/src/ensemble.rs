@@ -71,8 +71,8 @@
 //!
 //! # Long runs
 //!
-//! [`Study::checkpoint`] keeps how far the study has come in a file. If the program is killed, at whatever moment,
-//! and started again, the study goes on from there, and its result has the same bits as if nothing had happened.
+//! [`Study::checkpoint`] keeps how far the study has come in a file. If the program is killed, at whatever moment, and
+//! started again, the study resumes there, and its result has the same bits as without the interruption.
 
 use crate::controller::Controller;
 use crate::failed::Failed;
@@ -158,7 +158,8 @@ pub struct Ensemble<Src, D> {
 }
 
 impl<Src: Source, D> Ensemble<Src, D> {
-    /// `samples` samples; `draw` makes of each draw of the source a system and its start. It has to be a pure function.
+    /// `samples` samples; `draw` turns each draw of the source into a system and its start. It has to be a pure
+    /// function.
     pub fn new<Sys, const N: usize>(source: Src, samples: u64, draw: D) -> Self
     where
         Sys: System<N>,
@@ -392,7 +393,7 @@ where
         self
     }
 
-    /// Keeps in a file how far the study has come, and goes on from there if the file exists.
+    /// Saves the progress of the study in a file, and resumes from this file if it exists.
     ///
     /// It is written at the start, so that a path that cannot be written is known at once, then about `every` so
     /// often, and at the end. It is replaced as a whole: whenever the program is killed, the file is a good one. If
@@ -407,13 +408,14 @@ where
         Study { checkpoint: Some(Checkpoint { path: path.into(), every }), ..self }
     }
 
-    /// Gives the study a name, which tells its checkpoints from those of others.
+    /// Gives the study a name, by which its checkpoints are distinguished from those of other studies.
     #[must_use]
     pub fn named(self, name: impl Into<String>) -> Self {
         Study { name: name.into(), ..self }
     }
 
-    /// Tells how it gets on, some times a second unless samples take longer, and at the end.
+    /// Calls `tell` with the progress of the study several times per second, unless samples take longer, and at the
+    /// end.
     #[must_use]
     pub fn progress(self, tell: impl Fn(&Progress) + 'p) -> Self {
         Study { progress: Some(Box::new(tell)), ..self }
@@ -447,7 +449,8 @@ where
         }
     }
 
-    /// Runs all samples, and gives the `statistic` of what `watch` makes of each run. Both have to be pure functions.
+    /// Runs all samples, and returns the `statistic` of the outputs that `watch` returns for each run. Both have to be
+    /// pure functions.
     ///
     /// # Errors
     /// If the study makes no sense, or its checkpoint cannot be written, or is not one of this study.
@@ -468,8 +471,8 @@ where
     /// length are written in constant memory; `Parquet` (feature `parquet`) writes one that data frames read.
     ///
     /// # Errors
-    /// As [`reduce`](Self::reduce); those of the sink; and if the study has a checkpoint, since what a sink has taken
-    /// cannot be taken back when a study goes on from it. (Shards do for long runs.)
+    /// As [`reduce`](Self::reduce); those of the sink; and if the study has a checkpoint, since the records that a sink
+    /// has received cannot be withdrawn when the study resumes from the checkpoint. (Shards do for long runs.)
     pub fn stream<O, T, K>(
         &self,
         watch: K,

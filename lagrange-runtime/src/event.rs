@@ -1,10 +1,10 @@
 //! Events: what happens where a function g(t, q, q̇) vanishes along a run, such as an impact, a turning point or the
 //! passage through a surface of section. The iterators of samples and integrals along a run are here too.
 //!
-//! [`Run::events`] turns a run into an iterator of [`Occurrence`]s. Each root is located to rounding on the
-//! interpolant of its step. At a *terminal* event the run then steps anew from the start of that step, with its own
-//! method, to where g vanishes on the trajectory itself: the state there is as good as the ends of steps are, and
-//! after [`Events::restart`] the run goes on from there, or from what an impact has made of it.
+//! [`Run::events`] turns a run into an iterator of [`Occurrence`]s. Each root is located to rounding on the interpolant
+//! of its step. At a *terminal* event the run then steps anew from the start of that step, with its own method, to
+//! where g vanishes on the trajectory itself: the state there is as good as the ends of steps are, and after
+//! [`Events::restart`] the run continues from there, or from the state after an impact.
 //!
 //! ```
 //! use lagrange_runtime::prelude::*;
@@ -46,7 +46,7 @@
 //!
 //! # What is found and what can be missed
 //!
-//! First the ends of a step are looked at: g and its rate there, and g at two places between (0.38 and 0.73 of the
+//! The search begins with the ends of a step: g and its rate there, and g at two places between (0.38 and 0.73 of the
 //! step) on the quintic Hermite interpolant, for which methods with accelerations at both ends (explicit Runge–Kutta
 //! and Nyström methods) need no evaluation. The step has no event, and its own interpolant is not made, if the cubic
 //! through the ends keeps its sign by more than a bound D of what g deviates from it. The assumption: D is at most
@@ -62,31 +62,31 @@
 //! sixteenth of the change of g; the other events keep their signs. Steps from the start of this one, two as a rule,
 //! lead to the event by Newton's method, from the root on the quintic interpolant.
 //!
-//! Elsewhere, where an event may be, g is looked at at the ends of as many equal parts of each step as the method has
-//! an order (at least 8), and close to both ends of the step. Between two neighbours of opposite sign there is a root.
-//! Where |g| is smaller than at both neighbours, its minimum is sought, which finds two crossings within one part, and
-//! a zero that is touched and not crossed. Two crossings in the part before or after another one show themselves by |g|
-//! that grows towards that one. What can be missed: an even number of crossings within one part of a step without
-//! either sign, i.e. a g that varies much faster than the motion, or that has a kink there. Shorter steps find it, for
-//! instance [`Run::until`] in pieces, or a smaller tolerance.
+//! In all other steps g is evaluated at the ends of equal parts, as many as the order of the method (at least 8), and
+//! close to both ends of the step. Between two neighbours of opposite sign there is a root. Where |g| is smaller than
+//! at both neighbours, its minimum is sought, which finds two crossings within one part, and a zero that is touched and
+//! not crossed. Two crossings in the part before or after another one show themselves by |g| that grows towards that
+//! one. What can be missed: an even number of crossings within one part of a step without either sign, i.e. a g that
+//! varies much faster than the motion, or that has a kink there. Shorter steps find it, for instance [`Run::until`] in
+//! pieces, or a smaller tolerance.
 //!
-//! After a restart g is looked at closely from the start on, in powers of 1/4 of the first step, for the next impact
-//! may follow soon: down to 1e-8 of the step, and from a start at which g vanishes down to 16 roundings of time.
-//! Bounces that accumulate (each flight a fraction of the one before) end in [`Failure::EventsAccumulate`] where
-//! rounding hides the flight: at a terminal event that the motion leaves to the side it came from, and beyond which it
-//! is found. Hold the ball at rest before that.
+//! After a restart g is sampled densely from the start on, at powers of 1/4 of the first step, for the next impact may
+//! follow soon: down to 1e-8 of the step, and from a start at which g vanishes down to 16 roundings of time. Bounces
+//! that accumulate (each flight a fraction of the one before) end in [`Failure::EventsAccumulate`] where rounding hides
+//! the flight: at a terminal event that the motion leaves to the side it came from, and beyond which it is found. Hold
+//! the ball at rest before that.
 //!
 //! A touch is a touch only to rounding of g: integration errors make a near miss of it, or two crossings. It is
 //! reported to events of either direction only. [`Event::touching`] widens what counts as one. A zero that is touched
 //! at a kink, as by `abs(x)`, is seen with it alone: `touching(1e-9)`.
 //!
-//! A run that ends within rounding of a root has met it, at its end: a run that goes on from there does not find it
-//! again, so that none is lost or found twice where a motion is followed in pieces. A [`Stepper`](crate::Stepper)
-//! keeps on which side of zero its last events were, for another search for the same ones from the same
-//! time: two stops that are met at one time are both met, although the state is set at the first one. It is left at the
-//! event that was met last, unless all events up to the end were asked for, so that
-//! `stepper.until(t).events(…).next()` in a loop meets each of them. Another event is told by its name, direction and
-//! end, and by its g; by the former alone if an input has changed. A stepper looks for up to 16 events at once.
+//! A run that ends within rounding of a root has met it, at its end: a run that continues from there does not find the
+//! root again, so that a motion that is integrated in pieces meets each event once. A [`Stepper`](crate::Stepper) keeps
+//! on which side of zero its last events were, for another search for the same ones from the same time: two stops that
+//! are met at one time are both met, although the state is set at the first one. It is left at the event that was met
+//! last, unless the search ran to the end, so that `stepper.until(t).events(…).next()` in a loop meets each of them.
+//! Events are compared by their name, direction and end, and by g; without g if an input has changed. A stepper
+//! searches for up to 16 events at once.
 //!
 //! An input that changes and takes g across zero is an event at that time (g is right-continuous, as inputs are),
 //! also between two searches for the same events by a stepper. Another state or system, by `set_state` or
@@ -156,7 +156,7 @@ where
     C: Controller<Sys::Scalar, N, M::Error>,
 {
     /// The events of this run in their order in time; those at one time (but for rounding) in the order given. Without
-    /// an end the run goes on until a terminal event.
+    /// an end the run continues until a terminal event.
     ///
     /// The period of a pendulum, from its passages through the vertical:
     ///
@@ -202,7 +202,7 @@ enum Stage<S, const N: usize> {
 }
 
 /// The events of a run, or of a stepper, made by [`Run::events`]. It ends with the run, after a terminal event, or
-/// after a failure, and goes on after [`restart`](Self::restart).
+/// after a failure, and continues after [`restart`](Self::restart).
 #[must_use = "it makes no step unless it is iterated over, or run to its end"]
 pub struct Events<D: Drive<N>, E, const K: usize, const N: usize> {
     run: D,
@@ -274,7 +274,7 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
         self.run.statistics()
     }
 
-    /// Goes on from `state`, which may differ from the one reached: an impact changes velocities. Events that were
+    /// Continues from `state`, which may differ from the one reached: an impact changes velocities. Events that were
     /// reported there, and that `state` lies on but for rounding, are not met there again. Those of the same time that
     /// were not reported yet are reported after the restart, if the motion from `state` still crosses them. A state
     /// from which no motion begins is the failure of the next step; a stepper keeps the state that it had.

@@ -48,7 +48,7 @@ use core::fmt::Debug;
     note = "`Curve` is a function of one argument and `Surface` of two; a type of your own implements `ExternFunction`, `Clone`, `Debug` and `PartialEq`"
 )]
 pub trait ExternFunction<const A: usize>: Clone + Debug + PartialEq {
-    /// The value at x.
+    /// The value at x, in the unit that the equations of the system expect; x in the units of the arguments.
     fn value<S: Scalar>(&self, x: [S; A]) -> S;
 
     /// Does a slope jump somewhere, as that of chords does at their knots? A momentum that depends on the slope jumps
@@ -58,8 +58,8 @@ pub trait ExternFunction<const A: usize>: Clone + Debug + PartialEq {
         false
     }
 
-    /// The values in lanes with a function each, `of_lane(0)` to `of_lane(count − 1)`. A type that looks up the data
-    /// of each lane does so in one evaluation; without that it takes one for each lane.
+    /// The values, in the unit of the function, in lanes with a function each, `of_lane(0)` to `of_lane(count − 1)`. A
+    /// type that looks up the data of each lane does so in one evaluation; without that it takes one for each lane.
     #[inline]
     fn side_by_side<'a, S: Scalar>(count: usize, of_lane: impl Fn(usize) -> &'a Self, x: [S; A]) -> S
     where
@@ -104,7 +104,8 @@ impl<D: Clone> DataInLanes<D> {
         let _ = (lane, data);
     }
 
-    /// The value of one of the functions: that of a system alone, or of those in lanes.
+    /// The value of the function of a single system, or the values of the functions of all lanes, in the unit of the
+    /// function.
     #[inline]
     pub fn value<F: ExternFunction<A>, S: Scalar, const A: usize>(
         &self,

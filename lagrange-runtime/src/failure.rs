@@ -142,7 +142,7 @@ impl fmt::Display for Requirement {
 #[derive(Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub enum Failure<S = f64> {
-    /// The controller asked for a step that no longer changes the time.
+    /// The step size of the controller is so small that a step does not change the time.
     StepSizeUnderflow {
         /// Time.
         t: S,
@@ -246,13 +246,13 @@ pub enum Failure<S = f64> {
         /// The constraints that depend on each other, and how many are left that do not.
         dependence: Dependence,
     },
-    /// The constraints admit two motions from a position in which they are dependent, and nothing tells which one is
-    /// meant: the motion reaches it with no velocity, or with one along both or neither of its branches.
+    /// The constraints admit two motions from a position in which they are dependent, and neither is preferred: the
+    /// motion reaches it with no velocity, or with one along both or neither of its branches.
     /// [`branches`](crate::traits::branches) gives their directions.
     Bifurcation {
         /// Time.
         t: S,
-        /// Two coordinates by which the branches can be told apart.
+        /// Two coordinates by which the branches differ.
         coordinates: [Coordinate; 2],
     },
     /// A coordinate left the range in which the model holds, see [`InRange`](crate::lanes::InRange).
@@ -386,7 +386,7 @@ pub enum Failure<S = f64> {
         /// The event.
         event: EventName,
     },
-    /// Terminal events follow each other faster than time or their function can tell, as the bounces of a ball do that
+    /// Terminal events follow each other faster than time or their function resolves, as the bounces of a ball do that
     /// comes to rest (Zeno behaviour).
     EventsAccumulate {
         /// Time of the last event that can be told.
@@ -394,7 +394,7 @@ pub enum Failure<S = f64> {
         /// The event.
         event: EventName,
     },
-    /// A step is so long that events have to be looked for at more than 2²⁴ places in it.
+    /// A step is so long that the search for events would need more than 2²⁴ points in it.
     EventsUnresolved {
         /// Time at which the step began.
         t: S,

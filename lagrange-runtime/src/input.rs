@@ -1,4 +1,4 @@
-//! Inputs: values of a system that are held while its motion goes on, and set between steps.
+//! Inputs: values of a system that are held during a step, and set between steps.
 
 use crate::scalar::{Dual, Scalar};
 use crate::state::State;

@@ -20,8 +20,8 @@ pub use stepper::SampledStepper;
 pub use stepper::{Advance, Stepper, Stretch};
 pub(crate) use switches::crossed;
 
-/// Integrates `system` from `start`. The result is an iterator of accepted steps, which makes none until it is asked
-/// for one.
+/// Integrates `system` from `start`. The result is an iterator of accepted steps, and lazy: a step is made when it is
+/// requested.
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
@@ -131,7 +131,7 @@ where
         if let Status::Failed(failure) = self.engine.status { Some(failure) } else { None }
     }
 
-    /// The end given by [`until`](Self::until).
+    /// The end given by [`until`](Self::until), in units of t.
     pub fn end(&self) -> Option<Sys::Scalar> {
         self.engine.end
     }
@@ -171,9 +171,9 @@ where
         self
     }
 
-    /// Goes on from `state` instead of the state reached, at the same time or at another one: after an impact, say. The
-    /// end, and what the run has cost, stay. A step size that is not given is chosen anew, since a jump makes a new
-    /// motion. A run that has failed goes on, too.
+    /// Continues from `state` instead of the state reached, at the same time or at another one: after an impact, say.
+    /// The end, and what the run has cost, stay. A step size that is not given is chosen anew, since a jump makes a new
+    /// motion. A run that has failed continues, too.
     ///
     /// ```
     /// use lagrange_runtime::prelude::*;

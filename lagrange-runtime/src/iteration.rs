@@ -1,15 +1,14 @@
-//! Iterations over several numbers at once, each of which converges in its own time.
+//! Iterations over several lanes, each of which converges on its own.
 //!
-//! A number that is done waits, unchanged, for the others. So it has the same bits as alone, and lanes are as fast as
-//! the slowest of them. What fails does so for each number apart: an iteration has failed once it has for all of
-//! them, and where it has not, numbers for which it has become NaN. (Of a single number that says: it fails.) Why it
-//! has, a run of that number alone tells.
+//! A lane that has converged stays unchanged until all have. So it has the same bits as alone, and the iteration takes
+//! as long as the slowest lane. Each lane fails on its own and becomes NaN; the iteration fails once all lanes have. A
+//! run of one lane alone reports the cause.
 
 use crate::scalar::{Scalar, SimdScalar};
 use crate::state::State;
 use nalgebra::SVector;
 
-/// Progress of an iteration for one number.
+/// Progress of an iteration in one lane.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Progress {
     /// It has not converged.
@@ -20,32 +19,32 @@ pub(crate) enum Progress {
     Failed,
 }
 
-/// Masks of the numbers for which an iteration goes on, and for which it has failed.
+/// Masks of the lanes in which an iteration continues, and in which it has failed.
 pub(crate) struct Iteration<S: SimdScalar> {
     on: S::PerLane<bool>,
     failed: S::PerLane<bool>,
 }
 
 impl<S: SimdScalar> Iteration<S> {
-    /// It goes on for all.
+    /// An iteration that continues in all lanes.
     #[inline(always)]
     pub fn new() -> Self {
         Iteration { on: S::each(|_| true), failed: S::each(|_| false) }
     }
 
-    /// Mask of the numbers for which it goes on.
+    /// Mask of the lanes in which it continues.
     #[inline(always)]
     pub fn on(&self) -> &S::PerLane<bool> {
         &self.on
     }
 
-    /// Returns whether it goes on for any number.
+    /// Returns whether it continues in any lane.
     #[inline(always)]
     pub fn goes_on(&self) -> bool {
         self.on.as_ref().contains(&true)
     }
 
-    /// Decides for each number for which it goes on.
+    /// Updates each lane in which it continues.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn decide(&mut self, mut progress: impl FnMut(usize) -> Progress) {
         let (on, failed) = (self.on.as_mut(), self.failed.as_mut());
@@ -57,13 +56,13 @@ impl<S: SimdScalar> Iteration<S> {
         }
     }
 
-    /// Ends it: where it goes on it has failed.
+    /// Ends the iteration: it has failed in the lanes in which it continued.
     #[inline(always)]
     pub fn give_up(&mut self) {
         self.decide(|_| Progress::Failed);
     }
 
-    /// Has it failed for every number?
+    /// Has it failed in every lane?
     #[inline(always)]
     pub fn failed(&self) -> bool {
         !self.failed.as_ref().contains(&false)

@@ -61,9 +61,9 @@
 //!
 //! # Units and order of components
 //!
-//! Numbers have the units that the system is written in, any that fit together: steps those of t, absolute tolerances
-//! those of q and q̇. Where documentation names a unit it is that of SI. Angles are in radians. A vector has an element
-//! for each coordinate, in the order of their declaration, and then one for each [state of first
+//! Quantities have the units that the system is written in, any that fit together: steps have the unit of t, absolute
+//! tolerances the units of q and q̇. Where documentation names a unit it is that of SI. Angles are in radians. A vector
+//! has an element for each coordinate, in the order of their declaration, and then one for each [state of first
 //! order](traits::States); a matrix of (q, q̇) has q above q̇.
 //!
 //! If you do not want to choose a method, call [`simulate`], which returns the final state, or [`method_for`], which

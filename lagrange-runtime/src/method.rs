@@ -19,10 +19,10 @@
 //! | [`Rodas5P`](rosenbrock::Rodas5P) | 5 | 4 | 0 | 7.7 | 27 |
 //! | [`Taylor`](const@taylor::Taylor) | 7 − ½ ln ε | the same | 0 | 1.1 | 0.31 |
 //!
-//! The last two columns are the largest error within steps over that at their ends. *Of a run*, in which errors of
-//! all steps add up: the worst of tolerances 1e-6, 1e-8, 1e-10 and 1e-12 on an orbit of Kepler's problem (e = 0.3)
-//! and on an oscillator, 10 units of time; closed forms are the references. *Of one step*, begun on the orbit itself:
-//! at 1e-10. An interpolant is made when the first sample of a step is asked for.
+//! The last two columns are the largest error within steps, divided by the largest error at their ends. *Of a run*, in
+//! which errors of all steps add up: the worst of tolerances 1e-6, 1e-8, 1e-10 and 1e-12 on an orbit of Kepler's
+//! problem (e = 0.3) and on an oscillator, 10 units of time; closed forms are the references. *Of one step*, begun on
+//! the orbit itself: at 1e-10. An interpolant is computed with the first sample of its step.
 //!
 //! # Forces that set in later
 //!
@@ -81,9 +81,10 @@ pub(crate) use across::steps_across;
 
 /// A one-step method `Φ_h` for systems of the kind `Sys` with `N` coordinates.
 ///
-/// A step changes nothing that it began with: whatever a method wants to know at its next step (accelerations already
-/// computed, momenta, a starting guess) it hands on in another [`MethodState`](Self::MethodState). To reject a step
-/// is therefore to forget it. (To integrate, use [`integrate`](crate::integrate()); this is what it is made of.)
+/// A step changes nothing that it began with: the data that a method needs at its next step (accelerations already
+/// computed, momenta, a starting guess) are returned in another [`MethodState`](Self::MethodState). A rejected step is
+/// therefore discarded without undoing anything. (To integrate, use [`integrate`](crate::integrate()), which calls
+/// these functions.)
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
@@ -150,7 +151,7 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
     fn order(&self) -> u32;
 
     /// The method as it serves a relative tolerance best, where it leaves that open, as
-    /// [`Taylor`](const@taylor::Taylor) does its order. A run asks its controller.
+    /// [`Taylor`](const@taylor::Taylor) does its order. A run takes the tolerance from its controller.
     fn for_tolerance(self, relative: Option<f64>) -> Self {
         let _ = relative;
         self
@@ -169,7 +170,7 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
         at: &State<Sys::Scalar, N>,
     ) -> Result<Self::MethodState, Failure<Sys::Scalar>>;
 
-    /// The memory with which a run goes on at `at`: the state `from`, whose memory is `memory`, by other parameters
+    /// The memory with which a run continues at `at`: the state `from`, whose memory is `memory`, by other parameters
     /// of its attitudes.
     fn turned(
         &self,
@@ -214,7 +215,7 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
         self.step(system, memory, from, h, &mut memory.clone())
     }
 
-    /// The interpolant of a step. It is made only when asked for, since it may cost evaluations of its own, see
+    /// The interpolant of a step. It is computed on demand, since it may cost evaluations of its own, see
     /// [`interpolant_evaluations`](Self::interpolant_evaluations).
     fn interpolant(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Interpolant;
 
@@ -256,16 +257,16 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
         self.interpolant(across.system, step)
     }
 
-    /// The accelerations at both ends of a step, where the method has computed them: [events](crate::Run::events)
-    /// then look for roots on its interpolant only where there may be one.
+    /// The accelerations at both ends of a step, where the method has computed them: [events](crate::Run::events) then
+    /// search its interpolant only in steps that may have a root.
     #[inline(always)]
     fn end_accelerations(&self, step: &Step<Sys, Self, N>) -> Option<[SVector<Sys::Scalar, N>; 2]> {
         let _ = step;
         None
     }
 
-    /// A cheaper interpolant, if there is one, in which adaptive runs look for [switches](System::switches) after
-    /// each step. A crossing is landed on by steps, and no state of it is handed out.
+    /// A cheaper interpolant, if there is one, in which adaptive runs search for [switches](System::switches) after
+    /// each step. Steps then land on the crossing, and no state of this interpolant is returned.
     #[inline(always)]
     fn coarse_interpolant(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Option<Self::Interpolant> {
         let _ = (system, step);
@@ -279,8 +280,8 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
         0
     }
 
-    /// Into how many equal parts a step is divided when [events](crate::Run::events) look for roots in it: what an
-    /// interpolant can do within one. `memory` is that of the start of the step, `h` its size.
+    /// Number of equal parts into which [events](crate::Run::events) divide a step to search for roots, so that each
+    /// part of the interpolant is smooth enough. `memory` is that of the start of the step, `h` its size.
     #[inline(always)]
     fn parts(&self, memory: &Self::MethodState, h: Sys::Scalar) -> u32 {
         let _ = (memory, h);

@@ -54,10 +54,10 @@ where
     ///
     /// Each step is integrated on its interpolant, by the Gauss–Legendre rule with six nodes on the step and on its
     /// halves. Their difference is the error of the first, and 2¹² times that of the second where the integrand is
-    /// smooth; the halves are divided likewise until they agree to 2⁶ ulps of the integral. So the integral is that
-    /// of the interpolant to rounding, in the digits of the scalar, also over long steps and of integrands that
-    /// change much faster than the state, up to 20,000 parts of a step (some 10⁴ oscillations, or 300 kinks): its
-    /// error is that of the interpolant. That of an orbit's angle is up to three times that of its radius with every
+    /// smooth; the halves are divided likewise until they agree to 2⁶ ulps of the integral. So the interpolant is
+    /// integrated to rounding, in the digits of the scalar, also over long steps and of integrands that change much
+    /// faster than the state, up to 20,000 parts of a step (some 10⁴ oscillations, or 300 kinks): the error of the
+    /// integral is that of the interpolant. That of an orbit's angle is up to three times that of its radius with every
     /// adaptive method. A step takes 21 evaluations of integrand and interpolant, and 15 more for each part.
     ///
     /// # Hypotheses

@@ -52,7 +52,7 @@ pub trait Restricted<const N: usize, const HELD: usize, const WHOLE: usize>: Lag
     type Whole: Lagrangian<WHOLE, Scalar = Self::Scalar>;
     /// Indices, in the whole system, of the coordinates that are left.
     const KEPT: [usize; N];
-    /// Indices, in the whole system, of the removed coordinates: those that are held, and those that follow the others.
+    /// Indices, in the whole system, of the removed coordinates: the held ones, and the ones that follow the others.
     const REMOVED: [usize; HELD];
     /// Flags of the removed coordinates, in the order of [`REMOVED`](Self::REMOVED): true of one that follows the
     /// others (`quasistatic`), whose value and velocity in a state of the whole system [`restrict`](Self::restrict)

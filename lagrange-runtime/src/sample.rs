@@ -19,8 +19,8 @@ where
     /// Runs to the end, which [`until`](Self::until) must have set, and gives the state there. The cost can be read
     /// after [`run_to_end`](Self::run_to_end).
     ///
-    /// Events are not looked for, terminal ones of the system neither: the motion goes on through them to the end.
-    /// `run.events(Ball::GROUND).final_state()` ends at the event `ground` of the system.
+    /// It searches for no events, not even the terminal ones of the system: the motion continues through them to the
+    /// end. `run.events(Ball::GROUND).final_state()` ends at the event `ground` of the system.
     pub fn final_state(mut self) -> Result<State<Sys::Scalar, N>, Failed<Sys::Scalar, N>> {
         self.exhaust()?;
         Ok(*self.state())

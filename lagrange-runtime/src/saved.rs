@@ -1,4 +1,4 @@
-//! States, controllers, systems and steppers as data of serde (feature `serde`): saved and restored, a motion goes on
+//! States, controllers, systems and steppers as data of serde (feature `serde`): saved and restored, a motion continues
 //! bit for bit.
 //!
 //! [`State`](crate::State), [`Statistics`](crate::Statistics), controllers, methods, steppers without controllers of

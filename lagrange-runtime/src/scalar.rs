@@ -148,17 +148,17 @@ pub trait Scalar:
     }
 }
 
-/// A computation that is another one for a [`Real`] than for lanes: see [`Scalar::by_case`].
+/// A computation that differs between a [`Real`] and lanes: see [`Scalar::by_case`].
 pub trait RealCase<S: Scalar> {
     /// The result of both.
     type Output;
 
-    /// The way for a number that can be looked at.
+    /// The computation for a scalar that can be compared.
     fn real(self) -> Self::Output
     where
         S: Real;
 
-    /// The way for any number.
+    /// The computation for any scalar.
     fn any(self) -> Self::Output;
 }
 
@@ -207,8 +207,8 @@ pub(crate) use real_case_of_parts;
 pub trait Real: Scalar + PartialOrd {
     /// The value, as used for decisions (of a [`Dual`]: its value, not its slope).
     fn to_f64(self) -> f64;
-    /// The largest absolute value of its parts: of a [`Dual`], of value and slope. An iteration that shall converge in
-    /// its derivatives too has to look at it.
+    /// The largest absolute value of the parts of a scalar: of a [`Dual`], of value and slope. An iteration that has to
+    /// converge in its derivatives, too, tests this value.
     #[inline]
     fn magnitude(self) -> f64 {
         self.to_f64().abs()
@@ -220,7 +220,7 @@ pub trait Real: Scalar + PartialOrd {
     }
     /// Number of slopes that it carries.
     const SLOPES: usize = 0;
-    /// One of its slopes, by its index.
+    /// The slope with this index.
     #[inline]
     fn slope(self, _: usize) -> f64 {
         0.0
@@ -232,36 +232,35 @@ pub trait Real: Scalar + PartialOrd {
     const IN_LANES: bool = false;
 }
 
-/// A scalar whose numbers can be looked at: the one that a [`Real`] is, or those of [`Lanes`](crate::lanes::Lanes).
-/// What iterates until it has converged computes with such: each number ends in its own time, and waits, unchanged,
-/// for the others.
+/// A scalar whose lanes can be compared: a [`Real`], which has one, or [`Lanes`](crate::lanes::Lanes). Iterations
+/// compute with such scalars: each lane converges on its own, and stays unchanged until all lanes have.
 pub trait SimdScalar: Scalar {
-    /// One of the numbers.
+    /// The scalar of one lane.
     type Element: Real;
-    /// Something for each of them.
+    /// A value for each lane.
     type PerLane<T>: AsRef<[T]> + AsMut<[T]>;
-    /// Sizes, an `f64` for each of them.
+    /// Magnitudes, an `f64` for each lane.
     type Sizes: SimdScalar;
 
-    /// Number of elements.
+    /// Number of lanes.
     const COUNT: usize;
 
-    /// Makes each element by `f` of its index.
+    /// Values of `f` by the index of each lane.
     fn each<T>(f: impl FnMut(usize) -> T) -> Self::PerLane<T>;
 
-    /// These numbers.
+    /// Packs the values of `numbers`, one for each lane.
     fn of(numbers: impl FnMut(usize) -> Self::Element) -> Self;
 
-    /// The number at a place.
+    /// The value of one lane.
     fn number(self, place: usize) -> Self::Element;
 
-    /// The numbers, of which each is looked at for itself.
+    /// The values of all lanes.
     fn apart(self) -> Self::PerLane<Self::Element>;
 
-    /// Magnitude of each element, see [`Real::magnitude`].
+    /// Magnitude of each lane, see [`Real::magnitude`].
     fn magnitudes(self) -> Self::Sizes;
 
-    /// The numbers of `yes` at those places, and of `no` at the others.
+    /// Selects the lanes of `yes` where the mask is true, and those of `no` elsewhere.
     fn chosen(places: &Self::PerLane<bool>, yes: Self, no: Self) -> Self;
 }
 

@@ -97,7 +97,7 @@ impl<S: Scalar, const N: usize> State<S, N> {
 }
 
 impl<S: Real, const N: usize> State<S, N> {
-    /// The state with its angles brought into (−π, π] by whole turns, for the eye: integration wants them to go on.
+    /// The state with its angles brought into (−π, π] by whole turns, for the eye: integration needs them continuous.
     /// `kinds` are those of the system, `FACTS.kinds`; coordinates beyond its end stay as they are. Velocities do not
     /// change, but where the parameters of a rotation are replaced by the shorter ones of the same attitude.
     ///

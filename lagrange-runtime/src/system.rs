@@ -115,7 +115,7 @@ pub trait System<const N: usize> {
         Ok(())
     }
 
-    /// Beginning of a motion near a position at which constraints are dependent, if its velocity tells on which branch;
+    /// Beginning of a motion near a position at which constraints are dependent, if its velocity determines the branch;
     /// `None` elsewhere.
     #[doc(hidden)]
     #[cold]
@@ -212,7 +212,8 @@ pub trait System<const N: usize> {
     /// or L does along a coordinate. Runs end there in [`Failure::UnknownImpulse`].
     const IMPULSES: usize = 0;
 
-    /// The name of a function with data that has kinks, and on whose slope a momentum ∂L/∂q̇ depends. Runs are refused.
+    /// The name of a function with data that has kinks, and on whose slope a momentum ∂L/∂q̇ depends. Runs of such a
+    /// system fail.
     #[inline(always)]
     fn kinked(&self) -> Option<&'static str> {
         None
@@ -786,9 +787,9 @@ pub fn dual_jacobian<S: Scalar, Sys: System<N, Scalar = Dual<S>>, const N: usize
     jacobian
 }
 
-/// The inertia matrix `∂p/∂q̇` by dual numbers, one evaluation of the momenta for each column. `system` is the system
-/// over duals, with constant parameters. Emitted for systems of many coordinates, whose matrix would be longer than
-/// all the rest.
+/// The inertia matrix `∂p/∂q̇`, `N × N`, by dual numbers, one evaluation of the momenta for each column. `system` is
+/// the system over duals, with constant parameters. Emitted for systems of many coordinates, whose matrix would be
+/// longer than all the rest.
 pub fn dual_inertia<S: Scalar, Sys: Lagrangian<N, Scalar = Dual<S>>, const N: usize>(
     system: &Sys,
     q: &SVector<S, N>,

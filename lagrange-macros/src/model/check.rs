@@ -100,8 +100,8 @@ pub(super) fn complete(e: &mut Elaborator, header: &Header, statements: &[Statem
     visibilities(e, header);
 }
 
-/// A derived system has a velocity in its kinetic energy; the other requirements are checked
-/// when its equations are formed.
+/// A derived system has a velocity in its kinetic energy; the other requirements are checked when its
+/// equations are formed.
 pub(super) fn derived(e: &mut Elaborator, header: &Header) {
     rates(e);
     if e.found.coordinates.is_empty() {

@@ -5,8 +5,8 @@ use crate::attitude::steps::shortened_place;
 use crate::failure::Coordinate;
 use nalgebra::{DMatrix, DVector, SVD, SVector};
 
-/// Corrections of Newton's method below this, relative to `1 + |qᵢ|`, are rounding errors, even where the
-/// equilibrium is degenerate and known to half the digits.
+/// Corrections of Newton's method below this, relative to `1 + |qᵢ|`, are rounding errors, even where the equilibrium
+/// is degenerate and known to half the digits.
 pub(super) const CONVERGED: f64 = 1e-8;
 
 /// Iterations of Newton's method; at a degenerate equilibrium each one reduces the error by a constant factor only.

@@ -53,13 +53,13 @@ pub use branch::{Bifurcation, BifurcationKind, Branch, BranchPoint, Heading, Pat
 /// # Ok::<(), lagrange_runtime::analysis::AnalysisError>(())
 /// ```
 ///
-/// Steps are halved until the curve bends little in each, until what its signs say at both ends and in the middle
-/// (the parameter's part of the tangent, the determinant, the negative eigenvalues of K) is explained by one
-/// bifurcation, and until that fulfils its own equations to rounding. Near an imperfect pitchfork they so become
-/// short enough for its curves to be told apart. A bifurcation within 1e-8 (1 + |z|) of the start, and within a
-/// millionth of [`Path::step`], is taken for the one that the curve starts at, and is not listed. Coordinates and μ
-/// are compared with `1 + |q|` and with [`Path::step`]: give them in units in which they are of order 1. Two
-/// bifurcations of opposite effect that are both within a thousandth of [`Path::step`] may be missed.
+/// Steps are halved until the curve bends little in each, until what its signs say at both ends and in the middle (the
+/// parameter's part of the tangent, the determinant, the negative eigenvalues of K) is explained by one bifurcation,
+/// and until that fulfils its own equations to rounding. Near an imperfect pitchfork they thus become short enough to
+/// distinguish its curves. A bifurcation within 1e-8 (1 + |z|) of the start, and within a millionth of [`Path::step`],
+/// is taken for the one that the curve starts at, and is not listed. Coordinates and μ are compared with `1 + |q|` and
+/// with [`Path::step`]: give them in units in which they are of order 1. Two bifurcations of opposite effect that are
+/// both within a thousandth of [`Path::step`] may be missed.
 ///
 /// # Hypotheses
 /// - Constraints are on positions and independent of each other: otherwise

@@ -1,4 +1,4 @@
-//! Exponentials of matrices in double-double arithmetic, with a bound of what rounding makes of them.
+//! Exponentials of matrices in double-double arithmetic, with a bound of their round-off errors.
 
 use super::AnalysisError;
 use crate::scalar::DoubleDouble as Double;

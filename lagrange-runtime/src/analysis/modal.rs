@@ -22,7 +22,7 @@ use nalgebra::{DMatrix, SMatrix, SVector};
 ///
 /// in which C is damping and gyroscopic terms together, as a full matrix: it may couple the modes that are kept, and
 /// what couples them with the others is left out ([`coupling`](Self::coupling) says how much that is). η has the unit
-/// of q times the root of that of M (m kg^½), ωₖ² that of 1/s².
+/// of q times the root of the unit of M (m kg^½), ωₖ² the unit 1/s².
 ///
 /// The equations are [`Linear`] and [`Autonomous`]: [`MatrixExponential`](crate::MatrixExponential) propagates them
 /// exactly in one step of any length. The energy is conserved where that of the system is. Every run,
@@ -32,9 +32,9 @@ use nalgebra::{DMatrix, SMatrix, SVector};
 ///
 /// With inputs u ([`with_inputs`](Self::with_inputs)), B = M ∂q̈/∂u, and the modes that are left out follow them as in
 /// statics: `S = Σ φₖ φₖᵀ B / ωₖ²` over these modes (static correction, or mode-acceleration method; Craig and Kurdila
-/// 2006, ch. 11). So a deflection at rest under a constant load is exact for every R, but for what rounding makes of
-/// the lowest modes: ωₖ² is known to the rounding of the largest one of all modes, and counts as 0 below that.
-/// Velocities that are lifted are Φ η̇, without the rate at which S follows a load that changes.
+/// 2006, ch. 11). So a deflection at rest under a constant load is exact for every R, but for round-off in the lowest
+/// modes: ωₖ² is known to the rounding of the largest one of all modes, and counts as 0 below that. Velocities that are
+/// lifted are Φ η̇, without the rate at which S follows a load that changes.
 ///
 /// ```
 /// use lagrange_runtime::analysis::ModalModel;
@@ -112,8 +112,8 @@ impl Shapes {
     }
 }
 
-/// The part of a state that a [`ModalModel`] does not have: the state less what [`ModalModel::lift`] makes of its
-/// projection.
+/// The part of a state that a [`ModalModel`] does not have: the difference between the state and [`ModalModel::lift`]
+/// of its projection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Remainder<const N: usize> {
     /// Deviations of the coordinates of the whole system.
@@ -148,7 +148,7 @@ where
     /// # Hypotheses
     /// - Those of [`small_vibrations`](super::small_vibrations): `q` is an equilibrium, and time does not appear.
     /// - K is symmetric and has no negative eigenvalue, and damping is nowhere negative. Modes with ω = 0 are modes as
-    ///   others, rigid ones; what higher orders do along them (`V = −x⁴`) is not looked at.
+    ///   others, rigid ones; higher orders along them (`V = −x⁴`) are not checked.
     /// - Constraints, if there are any, are between positions. The model moves on their tangent space: what it lifts is
     ///   on them to first order in η.
     /// - The system has R modes at least.
@@ -301,12 +301,13 @@ impl<Sys, const WHOLE: usize, const R: usize, const K: usize> ModalModel<Sys, WH
         &self.whole
     }
 
-    /// The equilibrium q₀.
+    /// The equilibrium q₀, of length `WHOLE`, in the units of the coordinates.
     pub fn equilibrium(&self) -> &SVector<f64, WHOLE> {
         &self.place
     }
 
-    /// Φ: the shapes of the modes that are kept, a column for each, `Φᵀ M Φ = 1`.
+    /// Φ, `WHOLE × R`: the shapes of the kept modes, one per column, with `Φᵀ M Φ = 1`: in the units of q over the root
+    /// of the unit of M (kg^−½ for lengths).
     pub fn shapes(&self) -> &SMatrix<f64, WHOLE, R> {
         &self.shapes
     }
@@ -323,7 +324,7 @@ impl<Sys, const WHOLE: usize, const R: usize, const K: usize> ModalModel<Sys, WH
         self.all.others(&self.kept).next().map(|k| self.all.squares[k].sqrt())
     }
 
-    /// The largest amplitude, to first order, of a mode that is left out beside one that is kept, which moves it by
+    /// The largest amplitude, to first order, of a mode that is left out, relative to the kept one that moves it by
     /// damping and gyroscopic terms: `|cₗₖ s| / |ωₗ² − ωₖ² + i cₗₗ s|` with `cₗₖ = φₗᵀ C φₖ` and `s = ωₖ`, or `cₖₖ` of
     /// a rigid mode, which these slow down. 0 where C is diagonal in modes, as with Rayleigh's damping; what is not
     /// small beside 1 says that the modes belong together.

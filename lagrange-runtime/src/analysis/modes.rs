@@ -33,8 +33,8 @@ pub struct Modes {
 pub enum ModeKind {
     /// ω² > 0: it oscillates.
     Vibration,
-    /// ω² = 0 but for errors of the entries of M and K (8 units of 2⁻⁵², and what a rounding of the state makes of
-    /// them): it drifts with constant velocity, as a rigid body does.
+    /// ω² = 0 but for errors of the entries of M and K (8 units of 2⁻⁵², and their change by a rounding of the state):
+    /// it drifts with constant velocity, as a rigid body does.
     Rigid,
     /// ω² < 0: it grows exponentially.
     Unstable,
@@ -130,7 +130,7 @@ impl Modes {
         self.omega2.is_empty()
     }
 
-    /// Squares ωₖ² of the natural frequencies, in rad²/s² and increasing order; negative where the equilibrium is
+    /// Squares ωₖ² of the natural frequencies, in (rad/s)² and increasing order; negative where the equilibrium is
     /// unstable.
     pub fn squares(&self) -> &[f64] {
         &self.omega2
@@ -168,7 +168,7 @@ impl Modes {
         shape / largest
     }
 
-    /// `φ[i] / φ[j]` of the coordinates i and j in mode k.
+    /// `φ[i] / φ[j]` of the coordinates i and j in mode k, in the unit of qᵢ over the unit of qⱼ.
     pub fn amplitude_ratio(&self, k: usize, i: usize, j: usize) -> f64 {
         self.shapes[(i, k)] / self.shapes[(j, k)]
     }
@@ -183,7 +183,8 @@ impl Modes {
         Ok(self.weighted.tr_mul(deviation))
     }
 
-    /// The deviation `δq = Σ φₖ ξₖ` with these normal coordinates, one for each mode.
+    /// The deviation `δq = Σ φₖ ξₖ` with these normal coordinates, one for each mode: a component for each coordinate,
+    /// in its unit.
     ///
     /// # Errors
     /// [`AnalysisError::Dimension`].

@@ -229,32 +229,32 @@ impl SmallMotion {
         &self.constants
     }
 
-    /// M, `n × n`.
+    /// M, `n × n`: kg of lengths, kg m² of angles.
     pub fn inertia(&self) -> &DMatrix<f64> {
         &self.m
     }
 
-    /// C, `n × n`, damping and gyroscopic terms together.
+    /// C, `n × n`, damping and gyroscopic terms together: N s/m of lengths, N m s of angles.
     pub fn velocity_terms(&self) -> &DMatrix<f64> {
         &self.c
     }
 
-    /// K, `n × n`, with its circulatory part.
+    /// K, `n × n`, with its circulatory part: N/m of lengths, N m of angles.
     pub fn stiffness(&self) -> &DMatrix<f64> {
         &self.k
     }
 
-    /// Damping matrix, the symmetric part of C.
+    /// Damping matrix, `n × n`, the symmetric part of C.
     pub fn damping(&self) -> DMatrix<f64> {
         symmetric(&self.c)
     }
 
-    /// Gyroscopic matrix G, the antisymmetric part of C.
+    /// Gyroscopic matrix G, `n × n`, the antisymmetric part of C.
     pub fn gyroscopic(&self) -> DMatrix<f64> {
         antisymmetric(&self.c)
     }
 
-    /// The antisymmetric part of K, of forces without a potential.
+    /// Circulatory matrix, `n × n`, the antisymmetric part of K: forces without a potential.
     pub fn circulatory(&self) -> DMatrix<f64> {
         antisymmetric(&self.k)
     }

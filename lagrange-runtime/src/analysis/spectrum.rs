@@ -46,7 +46,7 @@ impl Spectrum {
         self.eigenvalues[k].norm()
     }
 
-    /// Damping ratio `ζ = −Re λ / |λ|`: 1 is critical or more. 0 where λ = 0.
+    /// Damping ratio `ζ = −Re λ / |λ|`, dimensionless: 1 is critical or more. 0 where λ = 0.
     pub fn damping_ratio(&self, k: usize) -> f64 {
         let size = self.eigenvalues[k].norm();
         if size == 0.0 { 0.0 } else { -self.eigenvalues[k].re / size }

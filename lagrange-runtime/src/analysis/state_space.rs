@@ -36,8 +36,7 @@ pub struct StateSpace {
     pub states: Vec<usize>,
     /// Does time appear in the equations, so that A and B may hold at one instant alone? It is false where
     /// [`Facts::autonomous`](crate::Facts::autonomous) is proved, and without inputs where
-    /// [`Facts::linear`](crate::Facts::linear) is. Whoever knows that A and B are constant, as beside a load f(t), sets
-    /// it to false.
+    /// [`Facts::linear`](crate::Facts::linear) is. Set it to false if A and B are constant, as beside a load f(t).
     pub time_dependent: bool,
 }
 

@@ -137,8 +137,8 @@ impl<'a, Sys: Linearize<N, Scalar = f64>, const N: usize> Reduced<'a, Sys, N> {
         Ok(self.system.energy_function(&at.q, &at.qd, at.t))
     }
 
-    /// Slope `∂V_eff/∂q` by the coordinates that are not ignorable, in their order: `−∂L/∂q` at the rates that belong
-    /// to the momenta.
+    /// Slope `∂V_eff/∂q` by the coordinates that are not ignorable, in their order, in N for lengths and N m for
+    /// angles: `−∂L/∂q` at the rates that belong to the momenta.
     ///
     /// # Hypotheses
     /// - That of [`Reduced::potential`].
@@ -479,9 +479,9 @@ impl Parabola {
     }
 }
 
-/// The parameter between `low` and `high` at which small motions begin or cease to grow, where they grow at one of
-/// the two and not at the other: by bisection to rounding, growth being what exceeds the error of its eigenvalue
-/// ([`Spectrum::is_stable`](super::Spectrum::is_stable)). Of a sleeping top, the spin that keeps it upright.
+/// The parameter, in its unit, between `low` and `high` at which small motions begin or cease to grow, where they grow
+/// at one of the two and not at the other: by bisection to rounding, growth being what exceeds the error of its
+/// eigenvalue ([`Spectrum::is_stable`](super::Spectrum::is_stable)). Of a sleeping top, the spin that keeps it upright.
 ///
 /// # Hypotheses
 /// - Ends are finite, and small motions grow at one of them only: otherwise [`AnalysisError::NotApplicable`]. Of

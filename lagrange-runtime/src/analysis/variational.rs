@@ -215,8 +215,8 @@ where
 ///
 /// # Hypotheses
 /// - Steps end where the accelerations [switch](System::switches): those of adaptive methods and of [`const@Taylor`]
-///   do. Where forces jump, deviations get the saltation of [`System::saltated`]; steps of one size over switches are
-///   refused by [`Requirement::Smooth`].
+///   do. Where forces jump, deviations get the saltation of [`System::saltated`]; [`Requirement::Smooth`] rejects steps
+///   of one size over switches.
 /// - The motion crosses switches at a rate that is not 0, and one at a time: where it touches one, or meets two at
 ///   once, it has no derivative.
 /// - The motion does not slide on a switch ([`Failure::Sliding`]).
@@ -241,7 +241,7 @@ pub trait TangentFlow<const N: usize> {
     /// The first coordinates of the attitudes among the coordinates ([`System::ATTITUDES`]).
     const ATTITUDES: &'static [usize] = &[];
 
-    /// The accelerations q̈.
+    /// The accelerations q̈, of length N, in the units of q over the square of the unit of t.
     fn accel(&self, at: &State<f64, N>) -> SVector<f64, N>;
 
     /// The state near `at` that satisfies the constraints, and an orthonormal basis of the deviations that they
@@ -479,9 +479,9 @@ where
     }
 }
 
-/// The end of a motion of this duration, in units of t, and its derivative by the start: the matrix
-/// `∂(q, q̇)(end)/∂(q, q̇)(start)`, `2N × 2N`. With constraints it is that of deviations that they admit, and 0 on
-/// those that are orthogonal to them.
+/// The end of a motion of this duration, in units of t, and its derivative by the start: the matrix `∂(q, q̇)(end)/∂(q,
+/// q̇)(start)`, `2N × 2N`. With constraints it maps the deviations that they admit, and is 0 on deviations orthogonal
+/// to these.
 ///
 /// # Errors
 /// [`AnalysisError::Run`], [`AnalysisError::DependentConstraints`].

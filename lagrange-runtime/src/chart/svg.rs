@@ -85,7 +85,7 @@ fn are_alike(a: &Mark, b: &Mark) -> bool {
     (a.colour, a.opacity) == (b.colour, b.opacity) && outline(a) == outline(b)
 }
 
-/// What a name stands for: an outline, or the glyphs of a text.
+/// A shape with a name: an outline, or the glyphs of a text.
 enum Defined {
     Path(String),
     Glyphs(String),

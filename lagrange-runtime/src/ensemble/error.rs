@@ -9,18 +9,18 @@ use std::path::PathBuf;
 /// see [`Failures`](super::Failures).
 #[non_exhaustive]
 pub enum EnsembleError {
-    /// No samples were asked for.
+    /// The study has no samples.
     NoSamples,
-    /// More samples were asked for than the table has rows, or the sequence points.
+    /// The study has more samples than the table has rows, or the sequence points.
     TooFewRows {
         /// Number of rows that there are.
         rows: u64,
         /// Number of samples that were asked for.
         samples: u64,
     },
-    /// A statistic was asked for something that makes no sense.
+    /// An argument of a statistic is invalid.
     Statistic(String),
-    /// A study was asked for something that it cannot give.
+    /// The study does not support this setting or result.
     Refused(String),
     /// There is no sample of this index.
     NoSuchSample {

@@ -25,11 +25,11 @@ use core::ops::Range;
 /// - the total-effect index Tᵢ = E[Var(Y | all but uᵢ)] / Var(Y), the part of the variance that would remain if all
 ///   others were known (Homma and Saltelli 1996). It is no less than Sᵢ, and 0 if the input does nothing.
 ///
-/// Points A and B and the D mixtures of them, in which input i of A is that of B, are those of a Sobol sequence in 2
-/// D dimensions, (D + 2) evaluations a row. Sᵢ is estimated by B · (ABᵢ − A) (Saltelli et al., *Comput. Phys.
-/// Commun.* 181, 2010, table 2 (b)), as a covariance, and Tᵢ by ½ (A − ABᵢ)² (Jansen, *Comput. Phys. Commun.* 117,
-/// 1999). Replicates, each with a scrambling of its own, are independent of each other: the scatter of the estimates
-/// among them is their error, by Student's t. An index near 0 may come out negative, by its error.
+/// A Sobol sequence in 2 D dimensions gives the points A and B; with their D mixtures, in which input i of A is
+/// replaced by input i of B, these are (D + 2) evaluations per point. Sᵢ is estimated by B · (ABᵢ − A) (Saltelli et
+/// al., *Comput. Phys. Commun.* 181, 2010, table 2 (b)), as a covariance, and Tᵢ by ½ (A − ABᵢ)² (Jansen, *Comput.
+/// Phys. Commun.* 117, 1999). Replicates, each with a scrambling of its own, are independent of each other: the scatter
+/// of the estimates among them is their error, by Student's t. An index near 0 may come out negative, by its error.
 ///
 /// ```
 /// use lagrange_runtime::ensemble::{ClosedForm, ConfidenceInterval, SobolIndices};

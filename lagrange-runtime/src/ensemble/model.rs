@@ -41,7 +41,7 @@ pub trait Model<D>: Sync {
         Mapped { model: self, function }
     }
 
-    /// Description that tells it from other models, for checkpoints. It may be given the draw of sample 0.
+    /// Description that distinguishes the model from others, for checkpoints. It may be given the draw of sample 0.
     fn describe(&self, draw: D) -> String;
 
     /// Checks the parameters of the model.

@@ -12,11 +12,11 @@ use core::fmt;
 /// Each move has a weight, which is 1 in the whole system and 0 where the move is made: of a term a parameter of the
 /// system, of a coordinate a weight of [`Locks`](crate::traits::Locks). One sweep over
 /// [`Gradient`](crate::scalar::Gradient)s gives the derivatives of all outputs by all weights, and with them to first
-/// order the error of each set of moves, sample by sample, with its signs: two terms that cancel are seen to. Moves
-/// are tried from the smallest effect on, then pairs, and once more from all of them back. Each set that is tried is
+/// order the error of each set of moves, sample by sample, with its signs: two terms that cancel are seen to. Moves are
+/// tried from the smallest effect on, then pairs, and once more from all of them back. Each set that is tried is
 /// verified by runs of the model with these weights, in lanes and on all threads. A set that is proposed keeps the
-/// errors allowed on every sample of the scene: a [`Certification`](super::Certification) tells whether it does on
-/// others.
+/// errors allowed on every sample of the scene: a [`Certification`](super::Certification) estimates whether it does on
+/// other samples.
 ///
 /// ```
 /// use lagrange_runtime::ensemble::{ClosedForm, Proper, Simulation, Sobol};

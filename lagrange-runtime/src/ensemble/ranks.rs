@@ -29,7 +29,7 @@ where
     ///
     /// Each rank sends rank 0 one message at its end, the statistics of its samples: some kilobytes, whatever their
     /// number. With a [checkpoint](Self::checkpoint) each rank has its own, beside the path that was given, with the
-    /// rank and the number of ranks appended: the same number of ranks goes on from there. Started with more than one
+    /// rank and the number of ranks appended: the same number of ranks resumes from there. Started with more than one
     /// thread, MPI has to be initialised with `Threading::Funneled`.
     ///
     /// # Errors

@@ -37,14 +37,14 @@ const PART: f64 = 0.1;
 /// which does not stall in many dimensions.
 ///
 /// Levels are correlated with each other, since a chain's start is a member of an earlier one. So the error is
-/// measured, by runs that are independent of each other, 10 unless told otherwise: the estimate is their mean, and
-/// its coefficient of variation δ comes from their scatter. (Correlation within chains alone, Au and Beck's eq. 29,
-/// tells half of it.) The interval is that of the mean of lognormal numbers. In a single dimension chains forget a
-/// lucky sample slowly: estimates have a long tail there, and intervals cover less than they say;
-/// docs/lab/reliability.md has the measurement.
+/// measured, by runs that are independent of each other, 10 by default: the estimate is their mean, and its coefficient
+/// of variation δ comes from their scatter. (Correlation within chains alone, Au and Beck's eq. 29, tells half of it.)
+/// The interval is that of the mean of lognormal numbers. In a single dimension chains forget a lucky sample slowly:
+/// estimates have a long tail there, and intervals cover less than they say; docs/lab/reliability.md has the
+/// measurement.
 ///
-/// The output has to lead to the event: the larger, the nearer. One that is true or false has no levels, and is
-/// refused. A sample whose run fails, or whose output is not a number, counts as one without the event, and is
+/// The output has to lead to the event: the larger, the nearer. An output that is true or false has no levels, and is
+/// an error. A sample whose run fails, or whose output is not a number, counts as one without the event, and is
 /// counted.
 ///
 /// ```

@@ -35,7 +35,7 @@ macro_rules! set_settings {
             self
         }
 
-        /// Keeps in a file how far the study has come, and goes on from there, as
+        /// Saves the progress of the study in a file, and resumes from it, as
         /// [`Study::checkpoint`](super::Study::checkpoint).
         #[must_use]
         pub fn checkpoint(
@@ -48,14 +48,14 @@ macro_rules! set_settings {
             self
         }
 
-        /// Gives the study a name, which tells its checkpoints from those of others.
+        /// Gives the study a name, by which its checkpoints are distinguished from those of other studies.
         #[must_use]
         pub fn named(mut self, name: impl Into<String>) -> Self {
             self.settings.name = name.into();
             self
         }
 
-        /// Tells how it gets on, as [`Study::progress`](super::Study::progress).
+        /// Calls `tell` with the progress of the study, as [`Study::progress`](super::Study::progress).
         #[must_use]
         pub fn progress(mut self, tell: impl Fn(&super::Progress) + 'p) -> Self {
             self.settings.progress = Some(Box::new(tell));

@@ -18,7 +18,7 @@ pub trait Source: Sync {
     /// Checks that there are that many samples.
     fn check(&self, samples: u64) -> Result<(), EnsembleError>;
 
-    /// Description that tells this source from another one, for checkpoints.
+    /// Description that distinguishes this source from others, for checkpoints.
     fn describe(&self) -> String;
 }
 
@@ -74,7 +74,7 @@ impl Source for Random {
 /// better, instead of as 1/√n; powers of two are the best numbers of samples.
 ///
 /// A coordinate u is uniform in the open interval (0, 1): `a + (b − a) u` is uniform between a and b, and any
-/// distribution comes of its quantile function. With several seeds the spread of the results tells their error.
+/// distribution comes of its quantile function. With several seeds, the scatter of the results estimates their error.
 ///
 /// ```
 /// use lagrange_runtime::ensemble::{Sobol, Source};
@@ -160,7 +160,7 @@ impl<R: Record + Clone + Sync> Source for Table<R> {
     type Draw = R;
 
     /// # Panics
-    /// If there is no such row. An ensemble does not ask for it.
+    /// If there is no such row. An ensemble never needs this value.
     fn draw(&self, index: u64) -> R {
         self.rows[index as usize].clone()
     }

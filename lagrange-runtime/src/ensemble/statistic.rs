@@ -42,7 +42,7 @@ pub trait Statistic<O>: Sync {
     /// Takes the samples of `later`, all of which come after those of `state`.
     fn merge(&self, state: &mut Self::State, later: Self::State);
 
-    /// Description that tells it from other statistics, for checkpoints.
+    /// Description that distinguishes the statistic from others, for checkpoints.
     fn describe(&self) -> String;
 
     /// Checks the parameters of the statistic.

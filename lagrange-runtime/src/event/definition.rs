@@ -100,7 +100,7 @@ impl<G> Event<G> {
         Event { g, kind: EventKind { name: "", direction, terminal: false, touching: 0.0 } }
     }
 
-    /// g at a state of the system.
+    /// g at a state of the system, in the unit of the event's function.
     pub fn value<Sys: System<N>, const N: usize>(
         &self,
         system: &Sys,
@@ -123,7 +123,7 @@ impl<G> Event<G> {
         self
     }
 
-    /// Gives the event a name, by which its occurrences can be told from others.
+    /// Gives the event a name, by which its occurrences are distinguished from those of other events.
     pub fn named(mut self, name: &'static str) -> Self {
         self.kind.name = name;
         self
@@ -204,10 +204,11 @@ pub trait CompiledEvents<const N: usize>: System<N> {
     note = "an event is a closure of the state, `Event::rising(|at| …)`, or one that the definition of this system has, `event name: g;`"
 )]
 pub trait EventFunction<Sys: System<N>, const N: usize> {
-    /// g at a state.
+    /// g at a state, in the unit of the event's function.
     fn value(&self, system: &Sys, at: &State<Sys::Scalar, N>) -> Sys::Scalar;
 
-    /// ġ and g̈ along a motion with these accelerations, as far as they are known.
+    /// ġ and g̈ along a motion with these accelerations, in the unit of g per unit of t and per its square; `None` if
+    /// not known.
     #[inline(always)]
     fn rates(
         &self,
@@ -258,10 +259,10 @@ where
     note = "give an `Event`, an array of events with functions of one type, or a tuple of up to eight events"
 )]
 pub trait EventSet<Sys: System<N>, const N: usize, const K: usize> {
-    /// The function of an event at a state.
+    /// The function g of the event with this index at a state, in the unit of g.
     fn value(&self, system: &Sys, event: usize, at: &State<Sys::Scalar, N>) -> Sys::Scalar;
 
-    /// Its derivatives along a motion with these accelerations, as [`EventFunction::rates`].
+    /// ġ and g̈ of the event with this index, in the units of [`EventFunction::rates`].
     fn rates(
         &self,
         system: &Sys,

@@ -16,8 +16,8 @@ use crate::system::System;
 /// The scalar of a drive.
 pub type Number<D, const N: usize> = <<D as Drive<N>>::System as System<N>>::Scalar;
 
-/// A motion that goes on step by step towards an end: a [`Run`](crate::Run), or a
-/// [`Stretch`](crate::integrate::Stretch) of the way of a stepper. Implemented by these alone.
+/// A motion that advances step by step to an end: a [`Run`](crate::Run), or a [`Stretch`](crate::integrate::Stretch) of
+/// the way of a stepper. Implemented by these alone.
 pub trait Drive<const N: usize> {
     /// The system that moves.
     type System: System<N, Scalar: Real>;

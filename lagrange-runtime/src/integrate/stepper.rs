@@ -51,8 +51,8 @@ use nalgebra::SVector;
 /// ```
 ///
 /// # Failures
-/// A call that fails leaves the stepper at its last good state. The next call goes on from there, with a step size
-/// that is chosen anew.
+/// A call that fails leaves the stepper at its last good state. The next call continues from there, with a newly chosen
+/// step size.
 ///
 /// # Direction
 /// Time goes forward, but where [`FixedStep`](crate::FixedStep) has a negative step.
@@ -107,7 +107,7 @@ pub type SampledStepper<Sys, M, C, const N: usize, const K: usize> =
 pub enum Advance {
     /// The time is reached.
     Arrived,
-    /// The work was used up before: the same call goes on.
+    /// The work was used up before: the same call continues.
     NotYet,
 }
 
@@ -198,9 +198,9 @@ where
         Stepper { system, engine, control, max_steps, sides, asked }
     }
 
-    /// Fails a call with [`Failure::BudgetUsedUp`] when `max_steps` steps, accepted or not, did not suffice for it;
-    /// the next call goes on. The default is no limit for fixed steps, and 1 000 000 for adaptive ones, counted anew
-    /// from each sampling instant of [`every`](Self::every).
+    /// Fails a call with [`Failure::BudgetUsedUp`] when `max_steps` steps, accepted or not, did not suffice for it; the
+    /// next call continues. The default is no limit for fixed steps, and 1 000 000 for adaptive ones, counted anew from
+    /// each sampling instant of [`every`](Self::every).
     pub fn max_steps(self, max_steps: u64) -> Self {
         Stepper { max_steps: Some(max_steps), ..self }
     }
@@ -211,10 +211,10 @@ where
         &self.engine.state
     }
 
-    /// Goes on from another state, at the same time or at another one, with a step size that is chosen anew.
-    /// Sampling instants stay where they are. A control law that was called at the present time is not called there
-    /// again. At another time, it is called at the first sampling instant that is not before that time, be it for the
-    /// second time.
+    /// Continues from another state, at the same time or at another one, with a newly chosen step size. Sampling
+    /// instants stay where they are. A control law that was called at the present time is not called there again. At
+    /// another time, it is called at the first sampling instant that is not before that time, be it for the second
+    /// time.
     ///
     /// # Errors
     /// [`Failure::StateNotFinite`], or [`Failure::ConstraintViolated`] if the state is not on the constraints of the
@@ -241,7 +241,7 @@ where
         &mut self.system
     }
 
-    /// The inputs that are held.
+    /// The inputs that are held, K of them in the order of the definition, each in its unit.
     pub fn inputs<const K: usize>(&self) -> SVector<Sys::Scalar, K>
     where
         Sys: Inputs<N, K>,
@@ -308,7 +308,7 @@ where
     }
 
     /// Takes one step, of the length that the step-size controller wants, or up to the next sampling instant of
-    /// [`every`](Self::every). Events are not looked for, as in [`advance_to`](Self::advance_to).
+    /// [`every`](Self::every). It searches for no events, as [`advance_to`](Self::advance_to).
     #[inline]
     pub fn step(&mut self) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
         self.allow(self.max_steps);
@@ -319,7 +319,7 @@ where
     /// called there. Fixed steps up to there are equal, as those of [`Run::until`](super::Run::until). An adaptive
     /// step is shortened, or longer by up to 1 %, and the step after it has the length that it would have had.
     ///
-    /// Events are not looked for, terminal ones of the system neither: the motion goes on through them to t.
+    /// It searches for no events, not even the terminal ones of the system: the motion continues through them to t.
     /// `until(t).events(CartPole::STOP).next()` stops at the event `stop` of the system, and gives `None` if t comes
     /// first.
     ///

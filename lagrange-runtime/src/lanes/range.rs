@@ -17,8 +17,8 @@ use nalgebra::SVector;
 /// which names the coordinate and the bound that it passed, within a step too; the observer `inner` has its output
 /// otherwise. Where `inner` ends the trajectory first, as at a terminal event, nothing is left.
 ///
-/// The bounds are found as terminal [events](crate::event) are, and may be missed where these may; whether a step
-/// ends beyond a bound is always seen. A trajectory that has no way to go is not looked at.
+/// The bounds are found as terminal [events](crate::event) are, and may be missed where these may; whether a step ends
+/// beyond a bound is always seen. A trajectory whose end is its start is not checked.
 ///
 /// ```
 /// use lagrange_runtime::lanes::{FinalState, InRange};

@@ -33,7 +33,8 @@ pub trait Observer<Sys: System<N, Scalar = f64>, const N: usize> {
         let _ = (memory, system, from, to);
     }
 
-    /// The next time at which the state is wanted: the first of them, or the next one after that which was shown last.
+    /// The next time at which the state is recorded: the first of them, or the next one after that which was shown
+    /// last.
     fn wanted(&self, memory: &Self::Accumulator) -> Option<f64> {
         let _ = memory;
         None

@@ -94,7 +94,7 @@ macro_rules! tableaux {
 pub struct $name;
 
         impl $name {
-            /// Its stability function R(z), which tells how large a step may be.
+            /// Its stability function R(z), which bounds the size of a stable step.
             pub fn stability() -> StabilityPolynomial<$stages> {
                 StabilityPolynomial::of::<$name>()
             }

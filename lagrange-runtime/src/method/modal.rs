@@ -55,7 +55,7 @@ const DECAYED: f64 = 1e-6;
 /// [`Failure::NonFinite`].
 /// The exponential is computed anew only when the step size changes, and for each state that is interpolated.
 ///
-/// [Events](crate::Run::events) within a step are looked for at eight places of each half turn of the fastest
+/// [Events](crate::Run::events) within a step are searched for at eight points per half period of the fastest
 /// oscillation. A step that takes more than 2²⁴ of them, of 10⁶ turns, ends the run in [`Failure::EventsUnresolved`].
 ///
 /// # Hypotheses

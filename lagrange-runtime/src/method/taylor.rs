@@ -5,11 +5,11 @@
 //! equations, and may be as long as the series converges quickly, whatever the tolerance (Moore 1966; Corliss and Chang
 //! 1982; Jorba and Zou, *Exper. Math.* 14 (2005) 99; Biscani and Izzo, *MNRAS* 504 (2021) 2614).
 //!
-//! The order belongs to the tolerance ([`Taylor`](const@Taylor)). The step follows from the decay of the
-//! coefficients. The published rule asks the last two of them, and is fooled by motions whose symmetry makes
-//! coefficients vanish in turn, such as a pendulum released from rest at 90°. Here the last `WINDOW` have a say, and
-//! each step is checked: by the difference between the accelerations of the polynomial at its end and those of the
-//! system, which are known anyway, since the next series begins there.
+//! The order belongs to the tolerance ([`Taylor`](const@Taylor)). The step follows from the decay of the coefficients.
+//! The published rule uses the last two of them, and fails for motions whose symmetry makes coefficients vanish
+//! alternately, such as a pendulum released from rest at 90°. Here the last `WINDOW` have a say, and each step is
+//! checked: by the difference between the accelerations of the polynomial at its end and those of the system, which are
+//! known anyway, since the next series begins there.
 //!
 //! Where the argument of a root vanishes at the start of a step, as that of |q̇| does at rest, there is no series.
 //! The polynomial of that step is found by collocation (`taylor/collocation.rs`).
@@ -43,8 +43,8 @@ const fn first_asked(p: usize) -> usize {
 
 /// Taylor series of a given order, with [`TaylorController`] for its controller.
 ///
-/// A series knows of a force of time what its derivatives at the start of the step tell: see [the
-/// module](crate::method) on forces that set in later, and [`TaylorController::max_step`].
+/// A series represents a force of time by its derivatives at the start of the step: see [the module](crate::method) on
+/// forces that set in later, and [`TaylorController::max_step`].
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;

@@ -566,8 +566,9 @@ lagrangian! {
 }
 
 /// Near the pole M is nearly singular: its pivots are small differences of large terms, and so is
-/// the sum of φ̈ and ψ̈. Explicit methods have energies within 1.1e-9 here; with pivots by numbers series are off by
-/// 7e-6, in six times as many steps.
+/// the sum of φ̈ and ψ̈. Explicit
+/// methods have energies within 1.1e-9 here; with pivots by numbers series are off by 7e-6, in six times as many
+/// steps.
 #[test]
 fn series_near_a_pole_are_as_good_as_accelerations() {
     let body = Body::new(1.0, 1.0, 1.5, 0.7);

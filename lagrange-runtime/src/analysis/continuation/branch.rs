@@ -59,13 +59,13 @@ pub enum BifurcationKind {
     /// Several eigenvalues of K vanish together, as symmetries make them: several curves, or a surface, cross it.
     Multiple,
     /// Another curve crosses it along which the parameter does not change, to rounding, as the buckling of linear
-    /// systems; or the curves cannot be told apart.
+    /// systems; or the curves cannot be distinguished.
     Degenerate,
     /// A pair of complex eigenvalues of the small motions crosses the imaginary axis: oscillations begin to grow, or
     /// cease to (Hopf; flutter of circulatory systems).
     Flutter,
     /// Constraints are dependent, and the mechanism can leave on another branch: other equilibria may begin there. The
-    /// curve goes on along its own branch.
+    /// curve continues along its own branch.
     DependentConstraints,
 }
 

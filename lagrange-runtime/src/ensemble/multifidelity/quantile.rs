@@ -309,7 +309,7 @@ where
     ///
     /// The indicator `g ≤ c` is the control variate of `f ≤ y` for all y at once, c being the quantile of g in the
     /// pilot. With an indicator the best coefficient sorts the samples of f into two strata, whose probabilities the
-    /// cheap model tells (Hesterberg and Nelson, *Management Science* 44, 1998): F̂ is a distribution, and is
+    /// cheap model estimates (Hesterberg and Nelson, *Management Science* 44, 1998): F̂ is a distribution, and is
     /// inverted. The correlation of the indicators decides what it gains, which is less than that of the outputs.
     ///
     /// The outputs of the full model are kept in memory, and in checkpoints.

@@ -107,9 +107,8 @@ impl<A: Copy> TaylorController<A> {
         TaylorController { absolute: atol, relative: self.relative, longest: self.longest, first: self.first }
     }
 
-    /// Makes no step longer than `h`, in units of t, see [`PiController::max_step`](crate::PiController::max_step).
-    /// The terms of a series decay as they do at the start of the step: it knows of a force what the derivatives
-    /// there tell.
+    /// Makes no step longer than `h`, in units of t, see [`PiController::max_step`](crate::PiController::max_step). The
+    /// terms of a series decay as they do at the start of the step: it represents a force by the derivatives there.
     pub const fn max_step(self, h: f64) -> Self {
         TaylorController { longest: h, ..self }
     }

@@ -14,11 +14,10 @@ const TOLERANCE: f64 = 1e-30;
 /// 1e-30 in every step: `q(t + h) = Σ qₖ hᵏ`, k up to 46, from the emitted recurrences (Jorba and Zou, *Exper. Math.*
 /// 14, 2005, 99).
 ///
-/// It is no closed form: the end is off by 1e-30 times what the motion makes of a neighbour's distance meanwhile.
-/// Where independent computations of 30 digits are at hand it agrees with all of them
-/// (`tests/golden/thirty_digits.rs`). Every method in `f64` may be measured against it but one:
-/// [`Taylor`](const@crate::Taylor) evaluates the same recurrences, so that a wrong one would be wrong in both. For that
-/// one take a closed form, or digits from elsewhere.
+/// It is no closed form: the error at the end is 1e-30 times the growth of the distance to a neighbouring motion. Where
+/// independent computations of 30 digits are at hand it agrees with all of them (`tests/golden/thirty_digits.rs`).
+/// Every method in `f64` may be measured against it but one: [`Taylor`](const@crate::Taylor) evaluates the same
+/// recurrences, so that a wrong one would be wrong in both. For that one take a closed form, or digits from elsewhere.
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
