@@ -1,4 +1,5 @@
-//! A sheet as SVG. Each glyph, and each shape that occurs more than twice, is defined once and used by its name.
+//! A sheet as SVG. Each glyph, and each shape or text that occurs more than twice, is defined once and used by its
+//! name.
 
 use super::font::{FAMILY, Font};
 use super::sheet::{FINE, Mark, Pixel, Shape, Sheet, Text, before};
@@ -18,14 +19,18 @@ impl Sheet {
     pub(super) fn svg(&self, letters: Letters) -> String {
         let mut writer = Writer { letters, counts: HashMap::new(), definitions: BTreeMap::new() };
         for mark in &self.marks {
-            if let Shape::Polygon(corners) = &mark.shape {
-                *writer.counts.entry(relative(corners)).or_insert(0) += 1;
-            }
+            let outline = match &mark.shape {
+                Shape::Polygon(corners) => relative(corners),
+                Shape::Text(text) => text.text.clone(),
+                _ => continue,
+            };
+            *writer.counts.entry(outline).or_insert(0) += 1;
         }
         let mut body = String::new();
         let mut marks = &self.marks[..];
         while let Some(first) = marks.first() {
-            // Lines and disks of one look that follow each other are one path: dashes, grids, ticks, dots.
+            // Lines, disks and rectangles of one look that follow each other are one path: dashes, grids, ticks, dots,
+            // cells of a map.
             let alike = marks.iter().take_while(|mark| pen(mark).is_some() && pen(mark) == pen(first));
             let (now, rest) = marks.split_at(alike.count().max(1));
             writer.marks(now, &mut body);
@@ -38,7 +43,10 @@ impl Sheet {
         };
         let mut definitions = String::new();
         for (name, outline) in writer.definitions {
-            let _ = writeln!(definitions, "<path id=\"{name}\" d=\"{outline}\"/>");
+            let _ = match outline.strip_prefix("<use") {
+                Some(_) => writeln!(definitions, "<g id=\"{name}\">{outline}</g>"),
+                None => writeln!(definitions, "<path id=\"{name}\" d=\"{outline}\"/>"),
+            };
         }
         format!(
             "<svg viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" xmlns=\"http://www.w3.org/2000/svg\">\n\
@@ -49,13 +57,15 @@ impl Sheet {
     }
 }
 
-/// Stroke of a path: width and ends of the pen, its colour and opacity.
+/// Stroke of a path: width and ends of the pen, its colour and opacity. Rectangles are filled, by a pen of no width.
 type Pen = (u32, &'static str, (u8, u8, u8), f64);
 
 fn pen(mark: &Mark) -> Option<Pen> {
     let (width, ends) = match mark.shape {
         Shape::Line { width, .. } => (width, ""),
         Shape::Disk { radius, .. } => (2 * radius, " stroke-linecap=\"round\""),
+        // Where two of one path lie upon each other, they are painted once.
+        Shape::Polygon(ref corners) if rectangle(corners).is_some() && mark.opacity == 1.0 => (0, "z"),
         _ => return None,
     };
     Some((width, ends, mark.colour, mark.opacity))
@@ -63,9 +73,9 @@ fn pen(mark: &Mark) -> Option<Pen> {
 
 struct Writer {
     letters: Letters,
-    /// Number of occurrences of each polygon.
+    /// Number of occurrences of each polygon, and of each text.
     counts: HashMap<String, usize>,
-    /// Outlines by name. A name follows from its outline alone, so that the pictures of one page can share it.
+    /// Outlines, and glyphs of texts, by name. A name follows from its outline alone, so that the pictures of one page can share it.
     definitions: BTreeMap<String, String>,
 }
 
@@ -81,6 +91,10 @@ impl Writer {
                 let path: String = marks.iter().map(stroke).collect();
                 let (ink, (width, ends, ..)) = (ink("stroke", mark), pen(mark).unwrap_or_default());
                 writeln!(body, "<path d=\"{path}\" fill=\"none\"{ink} stroke-width=\"{width}\"{ends}/>")
+            }
+            Shape::Polygon(_) if marks.len() > 1 => {
+                let path: String = marks.iter().map(stroke).collect();
+                writeln!(body, "<path d=\"{path}\"{}/>", ink("fill", mark))
             }
             Shape::Polygon(corners) => {
                 let (outline, ink) = (relative(corners), ink("fill", mark));
@@ -107,8 +121,9 @@ impl Writer {
     fn outlines(&mut self, text: &Text, mark: &Mark, body: &mut String) -> std::fmt::Result {
         let Text { font, at: (x, y), upwards, .. } = text;
         let turn = if *upwards { "rotate(-90)" } else { "" };
-        let scale = text.scale();
-        write!(body, "<g transform=\"translate({x} {y}){turn}scale({scale:.5})\"{}>", ink("fill", mark))?;
+        let place =
+            format!("transform=\"translate({x} {y}){turn}scale({:.5})\"{}", text.scale(), ink("fill", mark));
+        let mut glyphs = String::new();
         for glyph in text.glyphs() {
             let outline = font.outline(glyph.character);
             if outline.is_empty() {
@@ -116,14 +131,17 @@ impl Writer {
             }
             let face = if font.bold { 'b' } else { 'r' };
             let name = self.define(format!("{face}{:x}", u32::from(glyph.character)), outline.to_owned());
-            write!(body, "<use href=\"#{name}\" x=\"{:.0}\"", glyph.x)?;
+            write!(glyphs, "<use href=\"#{name}\" x=\"{:.0}\"", glyph.x)?;
             if glyph.y != 0.0 {
-                write!(body, " y=\"{:.0}\"", glyph.y)?;
+                write!(glyphs, " y=\"{:.0}\"", glyph.y)?;
             }
-            body.push_str("/>");
+            glyphs.push_str("/>");
         }
-        body.push_str("</g>\n");
-        Ok(())
+        if !glyphs.is_empty() && self.counts.get(&text.text).is_some_and(|&count| count > 2) {
+            let name = self.define(format!("t{:08x}", hash(&glyphs)), glyphs);
+            return writeln!(body, "<use href=\"#{name}\" {place}/>");
+        }
+        writeln!(body, "<g {place}>{glyphs}</g>")
     }
 
     fn text(&mut self, text: &Text, mark: &Mark, body: &mut String) -> std::fmt::Result {
@@ -156,18 +174,17 @@ fn relative(points: &[Pixel]) -> String {
     for ends in points.windows(2) {
         let [(x0, y0), (x1, y1)] = [ends[0], ends[1]].map(|(x, y)| (i64::from(x), i64::from(y)));
         for step in [x1 - x0, y1 - y0] {
-            // Commands repeat by themselves, and a sign parts numbers as well as a space.
-            let lead = if path.is_empty() {
-                "l"
-            } else if step < 0 {
-                ""
-            } else {
-                " "
-            };
+            // Commands repeat by themselves.
+            let lead = if path.is_empty() { "l" } else { between(step) };
             let _ = write!(path, "{lead}{step}");
         }
     }
     path
+}
+
+/// Between numbers of a path: a sign parts them as well as a space.
+pub(super) fn between(next: i64) -> &'static str {
+    if next < 0 { "" } else { " " }
 }
 
 fn stroke(mark: &Mark) -> String {
@@ -178,8 +195,19 @@ fn stroke(mark: &Mark) -> String {
         }
         // A stroke of nearly no length has round ends: a disk.
         Shape::Disk { centre: (x, y), .. } => format!("M{x} {y}h.1"),
+        Shape::Polygon(corners) => {
+            let Some((x, y, width, height)) = rectangle(corners) else { return String::new() };
+            format!("M{x} {y}h{width}v{height}h{}z", -width)
+        }
         _ => String::new(),
     }
+}
+
+/// Corner, width and height of an upright rectangle as plotters draws it.
+fn rectangle(corners: &[Pixel]) -> Option<(i32, i32, i32, i32)> {
+    let &[(left, top), (right, upper), (r, bottom), (l, b)] = corners else { return None };
+    let is_upright = upper == top && r == right && l == left && b == bottom;
+    is_upright.then(|| (left, top, right - left, bottom - top))
 }
 
 /// FNV-1a in 32 bits (Fowler, Noll and Vo).

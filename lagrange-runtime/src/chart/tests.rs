@@ -40,8 +40,12 @@ fn svg_has_paths_and_no_text() {
 fn definitions(svg: &str) -> BTreeMap<String, String> {
     let document = roxmltree::Document::parse(svg).expect("well-formed");
     let all = || document.descendants();
-    let named = all().filter_map(|node| Some((node.attribute("id")?, node.attribute("d")?)));
-    let named: BTreeMap<_, _> = named.map(|(name, outline)| (name.to_owned(), outline.to_owned())).collect();
+    let glyphs = |node: roxmltree::Node| {
+        format!("{:?}", node.children().map(|c| c.attributes().collect::<Vec<_>>()).collect::<Vec<_>>())
+    };
+    let outline = |node: roxmltree::Node| node.attribute("d").map_or_else(|| glyphs(node), str::to_owned);
+    let named = all().filter_map(|node| Some((node.attribute("id")?.to_owned(), outline(node))));
+    let named: BTreeMap<_, _> = named.collect();
     for used in all().filter_map(|node| node.attribute("href")) {
         assert!(named.contains_key(&used[1..]), "{used}");
     }
