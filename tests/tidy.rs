@@ -516,14 +516,70 @@ fn the_guide_has_its_chapters_and_examples() {
     assert!(examples > 0);
 }
 
+/// Each example has a row in the gallery: a picture, its name, and a sentence.
 #[test]
 fn the_gallery_shows_each_example() {
     let read = |path: &str| fs::read_to_string(Path::new(ROOT).join(path)).expect("a file of the repository");
     let (manifest, gallery) = (read("examples/Cargo.toml"), read("docs/gallery.md"));
     let names: Vec<&str> =
         manifest.split("[[example]]\nname = \"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
-    let missing: Vec<_> = names.iter().filter(|name| !gallery.contains(&format!("`{name}`"))).collect();
+    let is_shown = |name: &str| {
+        gallery.lines().any(|row| {
+            let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+            let [_, picture, example, sentence, _] = cells[..] else { return false };
+            let file = picture.strip_prefix("![](").and_then(|rest| rest.strip_suffix(')'));
+            // (The atlas is drawn by `work_precision`, and has its name in that row.)
+            (example == format!("`{name}`") || sentence.contains(&format!("(`{name}`)")))
+                && file.is_some_and(|file| Path::new(ROOT).join("docs").join(file).is_file())
+                && sentence.ends_with('.')
+        })
+    };
+    let missing: Vec<_> = names.iter().filter(|name| !is_shown(name)).collect();
     assert!(missing.is_empty() && names.len() > 20, "{missing:?}");
+}
+
+/// Chapters that explain by tables alone.
+const WITHOUT_A_PICTURE: [&str; 3] = ["SUMMARY.md", "failures.md", "glossary.md"];
+
+#[test]
+fn each_chapter_shows_a_picture() {
+    let bare: Vec<_> = documents()
+        .into_iter()
+        .filter_map(|(name, text)| Some((name.strip_prefix("docs/guide/src/")?.to_owned(), text)))
+        .filter(|(name, text)| !WITHOUT_A_PICTURE.contains(&name.as_str()) && !text.contains("](images/"))
+        .collect();
+    assert!(bare.is_empty(), "{:?}", bare.iter().map(|(name, _)| name).collect::<Vec<_>>());
+}
+
+/// Files of a folder, with their sizes.
+fn sizes(folder: &str) -> Vec<(String, u64)> {
+    let folder = fs::read_dir(Path::new(ROOT).join(folder)).expect("a folder of the repository");
+    let entries = folder.map(|entry| entry.expect("an entry")).filter(|entry| entry.path().is_file());
+    entries
+        .map(|entry| (entry.file_name().to_string_lossy().into(), entry.metadata().expect("a size").len()))
+        .collect()
+}
+
+#[test]
+fn each_picture_is_in_a_document() {
+    let documents = documents();
+    for folder in ["docs/gallery", "docs/guide/src/images"] {
+        // A document names a picture by its path from there, which ends with that folder and file.
+        let at = folder.rsplit('/').next().expect("a name");
+        let is_shown = |file: &str| documents.values().any(|text| text.contains(&format!("{at}/{file})")));
+        let unused: Vec<_> = sizes(folder).into_iter().filter(|(file, _)| !is_shown(file)).collect();
+        assert!(unused.is_empty(), "{folder}: {unused:?}");
+    }
+}
+
+/// Readers load pictures over a network, and each of their changes stays in the repository.
+#[test]
+fn pictures_are_small() {
+    for folder in ["docs/gallery", "docs/guide/src/images", "docs/lab"] {
+        let most = |file: &str| if file.ends_with(".svg") { 300_000 } else { 1_000_000 };
+        let large: Vec<_> = sizes(folder).into_iter().filter(|(file, size)| *size > most(file)).collect();
+        assert!(large.is_empty(), "{folder}: {large:?}");
+    }
 }
 
 /// Words with which a clause without a subject begins.

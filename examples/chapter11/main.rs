@@ -1,4 +1,4 @@
-//! The chapter, checked: one line for each of its 95 systems and statements.
+//! The chapter, checked: one line, and a place in a chart of errors, for each of its 95 systems and statements.
 //!
 //! ```text
 //! cargo run --release --example chapter11
@@ -9,9 +9,13 @@
 
 #[path = "../../tests/golden/main.rs"]
 mod golden;
+#[path = "../support/mod.rs"]
+mod support;
 
 use comfy_table::{CellAlignment, Table, presets};
 use golden::{CATALOGUE, FILES, Kind, Row};
+use lagrange_runtime::chart::{Axis, Chart, Series};
+use std::error::Error;
 use std::process::ExitCode;
 
 const LEGEND: &str = "\
@@ -20,7 +24,17 @@ equations       largest residue of printed equations, equations derived by hand 
 of bound        largest error of all comparisons of the row, as a part of what is allowed
 facts           s scleronomic  c conservative  p separable  m constant inertia  q quadratic  l linear; ignorable";
 
-fn main() -> ExitCode {
+/// Errors of one kind by the number of the row.
+type Errors = Vec<(f64, f64)>;
+
+const SORTS: [(&str, &[Kind]); 4] = [
+    ("equations and identities", &[Kind::Equation, Kind::Identity]),
+    ("accelerations at given states", &[Kind::Digits]),
+    ("motions", &[Kind::Motion]),
+    ("conserved quantities, other results", &[Kind::Conserved, Kind::Special]),
+];
+
+fn main() -> Result<ExitCode, Box<dyn Error>> {
     let mut rows: Vec<Row> = FILES.iter().flat_map(|rows| rows()).collect();
     let mut table = Table::new();
     table.load_style(presets::NOTHING);
@@ -39,6 +53,7 @@ fn main() -> ExitCode {
         "",
     ]);
     let (mut failed, mut missing) = (Vec::new(), Vec::new());
+    let mut errors: [Errors; 4] = Default::default();
     for (index, id) in CATALOGUE.iter().enumerate() {
         let number = (index + 1).to_string();
         let Some(position) = rows.iter().position(|row| row.id == *id) else {
@@ -50,6 +65,9 @@ fn main() -> ExitCode {
         };
         let row = rows.swap_remove(position);
         table.add_row(line(number, &row));
+        for (errors, (_, kinds)) in errors.iter_mut().zip(SORTS) {
+            errors.extend(row.error(kinds).map(|error| ((index + 1) as f64, error)));
+        }
         if !row.ok() {
             failed.push(row);
         }
@@ -80,7 +98,26 @@ fn main() -> ExitCode {
     for row in &rows {
         println!("{}: not in the catalogue, or twice in the files", row.id);
     }
-    if right == CATALOGUE.len() && rows.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+    let folder = support::charts()?;
+    chart(errors).write(&folder, "chapter11")?;
+    println!("{}", folder.join("chapter11.svg").display());
+    Ok(if right == CATALOGUE.len() && rows.is_empty() { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// Largest errors of all rows. Those that are 0 have a place below all others.
+fn chart(errors: [Errors; 4]) -> Chart {
+    const NONE: f64 = 1e-18;
+    let last = CATALOGUE.len() as f64;
+    let chart = Chart::new(
+        "A chapter of mechanics, checked",
+        Axis::linear("row of the catalogue", ""),
+        Axis::log("largest error in proportion to the terms", ""),
+    )
+    .subtitle("95 systems and statements against reference digits and equations by hand; an error of 0 is drawn at 1e-18")
+    .with(Series::line("rounding, 2⁻⁵³", [(1.0, 0.5 * f64::EPSILON), (last, 0.5 * f64::EPSILON)]));
+    SORTS.into_iter().zip(errors).fold(chart, |chart, ((name, _), errors)| {
+        chart.with(Series::markers(name, errors.into_iter().map(|(row, error)| (row, error.max(NONE)))))
+    })
 }
 
 /// One row as the cells of the table.
