@@ -155,7 +155,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
         .write(&folder, "tree-energy")?;
 
     let run = integrate(&mobile, Dop853, PiController::tolerance(1e-9), start).until(END);
-    let states = run.sample_evenly(160).collect::<Result<Vec<_>, _>>()?;
+    let states = run.sample_evenly(256).collect::<Result<Vec<_>, _>>()?;
     let leaves = |at: &State<f64, N>| masses(&mobile, at)[FORKS..].to_vec();
     let forks = |at: &State<f64, N>| masses(&mobile, at)[..FORKS].to_vec();
     Animation::new("A mobile of 31 links", END)

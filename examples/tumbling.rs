@@ -155,7 +155,7 @@ pub(crate) fn main() -> Result<(), Box<dyn Error>> {
     Chart::new(
         "A body that turns over",
         Axis::linear("time", "s"),
-        Axis::linear("angular velocity, middle axis", ""),
+        Axis::linear("angular velocity (rad/s), height of the middle axis", ""),
     )
     .subtitle("moments of inertia 1, 2 and 3, spun at 1 rad/s about the middle axis, and 0.05 aside")
     .with(Series::line("first", component(0)))

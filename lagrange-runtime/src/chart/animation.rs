@@ -5,8 +5,8 @@ use super::ink::{Canvas, Drawn, INK, Pixel, fine, write};
 use super::layout::{ALONE, CAPTION, MARGIN, SUBTITLE, SUBTITLE_LINE, TICK, TITLE, TITLE_LINE};
 use super::palette::{CONTEXT, colour};
 use super::picture::headings;
-use super::sheet::Sheet;
-use super::svg::Letters;
+use super::sheet::{FINE, Sheet};
+use super::svg::{Letters, between};
 use super::{ChartError, field, write_each};
 use plotters::prelude::*;
 use plotters::style::text_anchor::HPos;
@@ -245,22 +245,34 @@ impl Part {
         self.colour.map_or(CONTEXT.colour, colour)
     }
 
-    /// SVG's path through the points of a frame.
+    /// SVG's path through the points of a frame, in fine pixels and from each point to the next: the shortest text.
     fn outline(&self, frame: usize, place: impl Fn((f64, f64)) -> (f64, f64)) -> String {
         let mut path = String::new();
         let points = &self.frames[frame.min(self.frames.len() - 1)];
+        let mut before: Option<(i64, i64)> = None;
         for run in points.split(|point| !is_finite(point)).filter(|run| !run.is_empty()) {
             for (i, &point) in run.iter().enumerate() {
                 let (x, y) = place(point);
-                let lead = if i == 0 || self.shape == Shape::Joints { "M" } else { " " };
-                let _ = write!(path, "{lead}{x:.1},{y:.1}");
+                let (x, y) = ((x * FINE).round() as i64, (y * FINE).round() as i64);
+                let (mut lead, dx, dy) = match before {
+                    None => ("M", x, y),
+                    Some((u, v)) => ("m", x - u, y - v),
+                };
+                if i > 0 && self.shape != Shape::Joints {
+                    // Commands repeat by themselves, and after `M` this one would count from the corner.
+                    lead = if i == 1 { "l" } else { between(dx) };
+                }
+                let _ = write!(path, "{lead}{dx}{}{dy}", between(dy));
+                before = Some((x, y));
                 if self.shape == Shape::Joints {
                     // A stroke of nearly no length has round ends: a disk.
-                    path += "h.01";
+                    path += "h1";
+                    before = Some((x + 1, y));
                 }
             }
             if self.shape == Shape::Body {
                 path.push('Z');
+                before = None;
             }
         }
         path
@@ -344,10 +356,11 @@ impl Stage {
             ),
         };
         format!(
-            "<path d=\"{}\" fill=\"{fill}\" stroke=\"{ink}\" stroke-width=\"{}\" stroke-linecap=\"round\" \
-             stroke-linejoin=\"round\"><title>{}</title>{moving}</path>\n",
+            "<path transform=\"scale({})\" d=\"{}\" fill=\"{fill}\" stroke=\"{ink}\" stroke-width=\"{}\" \
+             stroke-linecap=\"round\" stroke-linejoin=\"round\"><title>{}</title>{moving}</path>\n",
+            1.0 / FINE,
             outline(0),
-            part.width,
+            part.width * FINE,
             part.name.replace('&', "&amp;").replace('<', "&lt;"),
         )
     }
@@ -450,9 +463,17 @@ mod tests {
         let animation = example();
         let stage = Stage::of(&animation).unwrap();
         let at = |frame| animation.parts[1].outline(frame, |point| stage.place(point));
-        let numbers = |path: String| -> Vec<f64> {
-            path[1..].split([' ', ',']).map(|number| number.parse().unwrap()).collect()
+        // The second point is written from the first one on.
+        let numbers = |path: String| -> [f64; 4] {
+            let numbers = path[1..].replace('l', " ").replace('-', " -");
+            let [x, y, dx, dy] =
+                numbers.split_whitespace().map(|n| n.parse().unwrap()).collect::<Vec<_>>()[..]
+            else {
+                panic!("{path}")
+            };
+            [x, y, x + dx, y + dy].map(|fine: f64| fine / FINE)
         };
+        assert!(at(0).starts_with('M') && at(0).contains('l'), "{}", at(0));
         let (flat, upright) = (numbers(at(0)), numbers(at(1)));
         assert_eq!(flat[..2], upright[..2]);
         assert_eq!((flat[1], upright[0]), (flat[3], upright[2]));

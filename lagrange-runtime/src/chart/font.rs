@@ -13,6 +13,10 @@ pub(super) const UNITS: f64 = 2048.0;
 /// Drawn for characters that the font lacks.
 const MISSING: char = '\0';
 
+/// Combining marks of rates.
+const DOT: char = '\u{307}';
+const TWO_DOTS: char = '\u{308}';
+
 /// Size and weight of a text on one line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Font {
@@ -70,6 +74,21 @@ impl Face {
     }
 }
 
+/// Letters with dots, which the font composes, as a letter and its mark; others as they are.
+fn parts(character: char) -> impl Iterator<Item = char> {
+    let (letter, mark) = match character {
+        'ṗ' => ('p', Some(DOT)),
+        'ṙ' => ('r', Some(DOT)),
+        'ṡ' => ('s', Some(DOT)),
+        'ẋ' => ('x', Some(DOT)),
+        'ẏ' => ('y', Some(DOT)),
+        'ż' => ('z', Some(DOT)),
+        'ẍ' => ('x', Some(TWO_DOTS)),
+        other => (other, None),
+    };
+    std::iter::once(letter).chain(mark)
+}
+
 fn pair(word: &str) -> Option<(char, char)> {
     let mut characters = word.chars();
     characters.next().zip(characters.next())
@@ -102,7 +121,7 @@ impl Font {
     pub(super) fn set(self, text: &str) -> (Vec<Placed>, f64) {
         let face = self.face();
         let (mut glyphs, mut end, mut last) = (Vec::new(), 0.0, MISSING);
-        for wanted in text.chars() {
+        for wanted in text.chars().flat_map(parts) {
             if let Some((x, y)) = face.marks.get(&(last, wanted)) {
                 glyphs.push(Placed { character: wanted, x: end + x, y: *y });
                 continue;
@@ -192,6 +211,7 @@ mod tests {
             for sign in signs.chars() {
                 assert!(!font.outline(sign).is_empty(), "{sign}");
             }
+            assert!(font.set("ṗṙṡẋẏżẍ").0.iter().all(|glyph| glyph.character != MISSING));
             assert_eq!(font.set("漢").0[0].character, MISSING);
             assert!(!font.outline(MISSING).is_empty());
         }

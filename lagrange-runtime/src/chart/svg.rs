@@ -1,4 +1,4 @@
-//! A sheet as SVG. Each glyph, and each shape and text that occurs more than twice, is defined once and used by its
+//! A sheet as SVG. Each glyph, and each shape or text that occurs more than twice, is defined once and used by its
 //! name.
 
 use super::font::{FAMILY, Font};
@@ -21,7 +21,7 @@ impl Sheet {
         for mark in &self.marks {
             let outline = match &mark.shape {
                 Shape::Polygon(corners) => relative(corners),
-                Shape::Text(text) if letters == Letters::Outlines => writer.glyphs(text),
+                Shape::Text(text) => text.text.clone(),
                 _ => continue,
             };
             *writer.counts.entry(outline).or_insert(0) += 1;
@@ -29,11 +29,9 @@ impl Sheet {
         let mut body = String::new();
         let mut marks = &self.marks[..];
         while let Some(first) = marks.first() {
-            // Lines and disks of one look that follow each other are one path: dashes, grids, ticks, dots. So are small
-            // polygons of one shape: the cells of a map.
-            let alike = marks.iter().take_while(|mark| {
-                pen(mark).is_some() && pen(mark) == pen(first) || is_cell(mark) && are_alike(mark, first)
-            });
+            // Lines, disks and rectangles of one look that follow each other are one path: dashes, grids, ticks, dots,
+            // cells of a map.
+            let alike = marks.iter().take_while(|mark| pen(mark).is_some() && pen(mark) == pen(first));
             let (now, rest) = marks.split_at(alike.count().max(1));
             writer.marks(now, &mut body);
             marks = rest;
@@ -44,10 +42,10 @@ impl Sheet {
             Letters::Text => format!(" font-family=\"{FAMILY}\""),
         };
         let mut definitions = String::new();
-        for (name, shape) in writer.definitions {
-            let _ = match shape {
-                Defined::Path(outline) => writeln!(definitions, "<path id=\"{name}\" d=\"{outline}\"/>"),
-                Defined::Glyphs(glyphs) => writeln!(definitions, "<g id=\"{name}\">{glyphs}</g>"),
+        for (name, outline) in writer.definitions {
+            let _ = match outline.strip_prefix("<use") {
+                Some(_) => writeln!(definitions, "<g id=\"{name}\">{outline}</g>"),
+                None => writeln!(definitions, "<path id=\"{name}\" d=\"{outline}\"/>"),
             };
         }
         format!(
@@ -59,44 +57,27 @@ impl Sheet {
     }
 }
 
-/// Stroke of a path: width and ends of the pen, its colour and opacity.
+/// Stroke of a path: width and ends of the pen, its colour and opacity. Rectangles are filled, by a pen of no width.
 type Pen = (u32, &'static str, (u8, u8, u8), f64);
 
 fn pen(mark: &Mark) -> Option<Pen> {
     let (width, ends) = match mark.shape {
         Shape::Line { width, .. } => (width, ""),
         Shape::Disk { radius, .. } => (2 * radius, " stroke-linecap=\"round\""),
+        // Where two of one path lie upon each other, they are painted once.
+        Shape::Polygon(ref corners) if rectangle(corners).is_some() && mark.opacity == 1.0 => (0, "z"),
         _ => return None,
     };
     Some((width, ends, mark.colour, mark.opacity))
 }
 
-/// Is a mark an opaque quadrangle? Several of one shape, which have one sense, fill what they cover in one path, too.
-fn is_cell(mark: &Mark) -> bool {
-    mark.opacity == 1.0 && matches!(&mark.shape, Shape::Polygon(corners) if corners.len() == 4)
-}
-
-/// Have two polygons one shape and one colour?
-fn are_alike(a: &Mark, b: &Mark) -> bool {
-    let outline = |mark: &Mark| match &mark.shape {
-        Shape::Polygon(corners) => Some(relative(corners)),
-        _ => None,
-    };
-    (a.colour, a.opacity) == (b.colour, b.opacity) && outline(a) == outline(b)
-}
-
-/// A shape with a name: an outline, or the glyphs of a text.
-enum Defined {
-    Path(String),
-    Glyphs(String),
-}
-
 struct Writer {
     letters: Letters,
-    /// Number of occurrences of each polygon and each text.
+    /// Number of occurrences of each polygon, and of each text.
     counts: HashMap<String, usize>,
-    /// Shapes by name. A name follows from its shape alone, so that the pictures of one page can share it.
-    definitions: BTreeMap<String, Defined>,
+    /// Outlines, and glyphs of texts, by name. A name follows from its outline alone, so that the pictures of one
+    /// page can share it.
+    definitions: BTreeMap<String, String>,
 }
 
 impl Writer {
@@ -112,15 +93,15 @@ impl Writer {
                 let (ink, (width, ends, ..)) = (ink("stroke", mark), pen(mark).unwrap_or_default());
                 writeln!(body, "<path d=\"{path}\" fill=\"none\"{ink} stroke-width=\"{width}\"{ends}/>")
             }
+            Shape::Polygon(_) if marks.len() > 1 => {
+                let path: String = marks.iter().map(stroke).collect();
+                writeln!(body, "<path d=\"{path}\"{}/>", ink("fill", mark))
+            }
             Shape::Polygon(corners) => {
                 let (outline, ink) = (relative(corners), ink("fill", mark));
                 let (x, y) = corners.first().copied().unwrap_or_default();
-                if is_cell(mark) {
-                    let path: String = marks.iter().map(cell).collect();
-                    writeln!(body, "<path d=\"{path}\"{ink}/>")
-                } else if self.counts.get(&outline).is_some_and(|&count| count > 2) {
-                    let path = Defined::Path(format!("M0 0{outline}z"));
-                    let name = self.define(format!("s{:08x}", hash(&outline)), path);
+                if self.counts.get(&outline).is_some_and(|&count| count > 2) {
+                    let name = self.define(format!("s{:08x}", hash(&outline)), format!("M0 0{outline}z"));
                     writeln!(body, "<use href=\"#{name}\" x=\"{x}\" y=\"{y}\"{ink}/>")
                 } else {
                     writeln!(body, "<path d=\"M{x} {y}{outline}z\"{ink}/>")
@@ -133,27 +114,16 @@ impl Writer {
         };
     }
 
-    fn define(&mut self, name: String, shape: Defined) -> String {
-        self.definitions.entry(name.clone()).or_insert(shape);
+    fn define(&mut self, name: String, outline: String) -> String {
+        self.definitions.entry(name.clone()).or_insert(outline);
         name
     }
 
     fn outlines(&mut self, text: &Text, mark: &Mark, body: &mut String) -> std::fmt::Result {
-        let Text { at: (x, y), upwards, .. } = text;
+        let Text { font, at: (x, y), upwards, .. } = text;
         let turn = if *upwards { "rotate(-90)" } else { "" };
-        let (scale, ink, glyphs) = (text.scale(), ink("fill", mark), self.glyphs(text));
-        let place = format!("transform=\"translate({x} {y}){turn}scale({scale:.5})\"{ink}");
-        if self.counts.get(&glyphs).is_some_and(|&count| count > 2) {
-            let name = self.define(format!("t{:08x}", hash(&glyphs)), Defined::Glyphs(glyphs));
-            writeln!(body, "<use href=\"#{name}\" {place}/>")
-        } else {
-            writeln!(body, "<g {place}>{glyphs}</g>")
-        }
-    }
-
-    /// The glyphs of a text by their names, which are defined.
-    fn glyphs(&mut self, text: &Text) -> String {
-        let Text { font, .. } = text;
+        let place =
+            format!("transform=\"translate({x} {y}){turn}scale({:.5})\"{}", text.scale(), ink("fill", mark));
         let mut glyphs = String::new();
         for glyph in text.glyphs() {
             let outline = font.outline(glyph.character);
@@ -161,15 +131,18 @@ impl Writer {
                 continue;
             }
             let face = if font.bold { 'b' } else { 'r' };
-            let path = Defined::Path(outline.to_owned());
-            let name = self.define(format!("{face}{:x}", u32::from(glyph.character)), path);
-            let _ = write!(glyphs, "<use href=\"#{name}\" x=\"{:.0}\"", glyph.x);
+            let name = self.define(format!("{face}{:x}", u32::from(glyph.character)), outline.to_owned());
+            write!(glyphs, "<use href=\"#{name}\" x=\"{:.0}\"", glyph.x)?;
             if glyph.y != 0.0 {
-                let _ = write!(glyphs, " y=\"{:.0}\"", glyph.y);
+                write!(glyphs, " y=\"{:.0}\"", glyph.y)?;
             }
             glyphs.push_str("/>");
         }
-        glyphs
+        if !glyphs.is_empty() && self.counts.get(&text.text).is_some_and(|&count| count > 2) {
+            let name = self.define(format!("t{:08x}", hash(&glyphs)), glyphs);
+            return writeln!(body, "<use href=\"#{name}\" {place}/>");
+        }
+        writeln!(body, "<g {place}>{glyphs}</g>")
     }
 
     fn text(&mut self, text: &Text, mark: &Mark, body: &mut String) -> std::fmt::Result {
@@ -202,29 +175,17 @@ fn relative(points: &[Pixel]) -> String {
     for ends in points.windows(2) {
         let [(x0, y0), (x1, y1)] = [ends[0], ends[1]].map(|(x, y)| (i64::from(x), i64::from(y)));
         for step in [x1 - x0, y1 - y0] {
-            // Commands repeat by themselves, and a sign parts numbers as well as a space.
-            let lead = if path.is_empty() {
-                "l"
-            } else if step < 0 {
-                ""
-            } else {
-                " "
-            };
+            // Commands repeat by themselves.
+            let lead = if path.is_empty() { "l" } else { between(step) };
             let _ = write!(path, "{lead}{step}");
         }
     }
     path
 }
 
-/// A polygon as a part of a path.
-fn cell(mark: &Mark) -> String {
-    match &mark.shape {
-        Shape::Polygon(corners) => {
-            let (x, y) = corners.first().copied().unwrap_or_default();
-            format!("M{x} {y}{}z", relative(corners))
-        }
-        _ => String::new(),
-    }
+/// Between numbers of a path: a sign parts them as well as a space.
+pub(super) fn between(next: i64) -> &'static str {
+    if next < 0 { "" } else { " " }
 }
 
 fn stroke(mark: &Mark) -> String {
@@ -235,8 +196,19 @@ fn stroke(mark: &Mark) -> String {
         }
         // A stroke of nearly no length has round ends: a disk.
         Shape::Disk { centre: (x, y), .. } => format!("M{x} {y}h.1"),
+        Shape::Polygon(corners) => {
+            let Some((x, y, width, height)) = rectangle(corners) else { return String::new() };
+            format!("M{x} {y}h{width}v{height}h{}z", -width)
+        }
         _ => String::new(),
     }
+}
+
+/// Corner, width and height of an upright rectangle as plotters draws it.
+fn rectangle(corners: &[Pixel]) -> Option<(i32, i32, i32, i32)> {
+    let &[(left, top), (right, upper), (r, bottom), (l, b)] = corners else { return None };
+    let is_upright = upper == top && r == right && l == left && b == bottom;
+    is_upright.then(|| (left, top, right - left, bottom - top))
 }
 
 /// FNV-1a in 32 bits (Fowler, Noll and Vo).

@@ -36,17 +36,15 @@ fn svg_has_paths_and_no_text() {
     assert_eq!(svg, example().svg().unwrap(), "the same chart is the same file");
 }
 
-/// Names and shapes of the definitions of an SVG, after it was found to be well-formed and to use nothing else.
+/// Names and outlines of what an SVG defines, after it was found to be well-formed and to use nothing else.
 fn definitions(svg: &str) -> BTreeMap<String, String> {
     let document = roxmltree::Document::parse(svg).expect("well-formed");
     let all = || document.descendants();
-    let named = all().filter_map(|node| {
-        // An outline, or the glyphs of a text.
-        let part =
-            |glyph: roxmltree::Node| ["href", "x", "y"].map(|name| glyph.attribute(name).map(str::to_owned));
-        let glyphs = || format!("{:?}", node.children().map(part).collect::<Vec<_>>());
-        Some((node.attribute("id")?.to_owned(), node.attribute("d").map_or_else(glyphs, str::to_owned)))
-    });
+    let glyphs = |node: roxmltree::Node| {
+        format!("{:?}", node.children().map(|c| c.attributes().collect::<Vec<_>>()).collect::<Vec<_>>())
+    };
+    let outline = |node: roxmltree::Node| node.attribute("d").map_or_else(|| glyphs(node), str::to_owned);
+    let named = all().filter_map(|node| Some((node.attribute("id")?.to_owned(), outline(node))));
     let named: BTreeMap<_, _> = named.collect();
     for used in all().filter_map(|node| node.attribute("href")) {
         assert!(named.contains_key(&used[1..]), "{used}");
