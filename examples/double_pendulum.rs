@@ -88,7 +88,7 @@ fn sensitivity(pendulum: DoublePendulum, start: State<f64, 2>) -> Result<Chart, 
         Axis::linear("time", "s"),
         Axis::log("displacement of the tip by the change of the first angle", "m/rad"),
     )
-    .subtitle("the double pendulum, let go as above; the derivative by dual numbers has no change to choose")
+    .subtitle("tip of the double pendulum: the exact derivative, by dual numbers, and differences of two motions")
     .with(Series::line("derivative", drawn(exact)))
     .with(Series::line("two motions, 0.1 rad apart", drawn(quotients(0.1)?)))
     .with(Series::line("two motions, 1e-3 rad apart", drawn(quotients(1e-3)?))))
