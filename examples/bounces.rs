@@ -17,8 +17,8 @@ lagrangian! {
     /// A ball that is drawn upward ever more strongly.
     pub system Ball {
         param m = 0.1, rate = 0.3, g = 9.81;
-        coord z: length;
-        T = 0.5 * m * dot(z).powi(2);
+        coord x: length, z: length;
+        T = 0.5 * m * (dot(x).powi(2) + dot(z).powi(2));
         V = m * g * z;
         Q[z] = rate * t;
         event ground: z, falling, terminal;
@@ -29,8 +29,8 @@ lagrangian! {
     /// The same on the ground.
     pub system Resting {
         param m = 0.1, rate = 0.3, g = 9.81;
-        coord z: length;
-        T = 0.5 * m * dot(z).powi(2);
+        coord x: length, z: length;
+        T = 0.5 * m * (dot(x).powi(2) + dot(z).powi(2));
         V = m * g * z;
         Q[z] = rate * t;
         constraint ground: z == 0;
@@ -46,23 +46,24 @@ const SLOW: f64 = 1e-3;
 fn main() -> Result<(), Box<dyn Error>> {
     let (ball, resting) = (Ball::default(), Resting::default());
     let control = PiController::tolerance(1e-11);
-    let mut at = State::new(0.0, [0.5], [0.0]);
-    let flight = |from: State<f64, 1>, until: f64| -> Result<Vec<(f64, f64)>, Failure> {
+    let mut at = State::new(0.0, [0.0, 0.5], [0.3, 0.0]);
+    let flight = |from: State<f64, 2>, until: f64| -> Result<Vec<(f64, f64)>, Failure> {
         let samples = integrate(&ball, Dop853, control, from).until(until).sample_evenly(60);
-        samples.map(|at| at.map(|at| (at.t, at.q[0]))).collect()
+        samples.map(|at| at.map(|at| (at.t, at.q[1]))).collect()
     };
     let (mut height, mut impacts) = (Vec::new(), Vec::new());
     loop {
         let impact = integrate(&ball, Dop853, control, at).until(20.0).events(Ball::GROUND).final_state()?;
         height.extend(flight(at, impact.t)?);
         impacts.push((impact.t, 0.0));
-        at = State::new(impact.t, [0.0], [-RESTITUTION * impact.qd[0]]);
-        if at.qd[0] < SLOW {
+        at = impact;
+        (at.q[1], at.qd[1]) = (0.0, -RESTITUTION * impact.qd[1]);
+        if at.qd[1] < SLOW {
             break;
         }
     }
     // At rest, until the ground would have to pull.
-    at.qd[0] = 0.0;
+    at.qd[1] = 0.0;
     let lift =
         integrate(&resting, Dop853, control, at).until(20.0).events(Resting::LIFT_OFF).final_state()?;
     let rest = vec![(at.t, 0.0), (lift.t, 0.0)];
