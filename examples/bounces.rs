@@ -56,7 +56,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let impact = integrate(&ball, Dop853, control, at).until(20.0).events(Ball::GROUND).final_state()?;
         height.extend(flight(at, impact.t)?);
         impacts.push((impact.t, 0.0));
-        at = State::new(impact.t, [impact.q[0], 0.0], [impact.qd[0], -RESTITUTION * impact.qd[1]]);
+        at = impact;
+        (at.q[1], at.qd[1]) = (0.0, -RESTITUTION * impact.qd[1]);
         if at.qd[1] < SLOW {
             break;
         }

@@ -82,7 +82,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     checks.at_most(
         "operations of a further link of a chain",
         (last.1 - before.1) / (last.0 - before.0),
-        30.0,
+        26.0,
     );
     let [.., before, last] = trees;
     checks.at_most("operations of a further link of a tree", (last.1 - before.1) / (last.0 - before.0), 37.0);

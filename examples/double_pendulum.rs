@@ -86,10 +86,10 @@ fn sensitivity(pendulum: DoublePendulum, start: State<f64, 2>) -> Result<Chart, 
     Ok(Chart::new(
         "How far a change of the start moves the tip",
         Axis::linear("time", "s"),
-        Axis::log("displacement of the tip by the change of the first angle", "m/rad"),
+        Axis::log("tip by the first angle at the start", "m/rad"),
     )
-    .subtitle("tip of the double pendulum: the exact derivative, by dual numbers, and differences of two motions")
-    .with(Series::line("derivative", drawn(exact)))
+    .subtitle("a double pendulum, let go at rest at 2 and 2.4 rad; by dual numbers, and by differences of two motions")
+    .with(Series::line("exact derivative", drawn(exact)))
     .with(Series::line("two motions, 0.1 rad apart", drawn(quotients(0.1)?)))
     .with(Series::line("two motions, 1e-3 rad apart", drawn(quotients(1e-3)?))))
 }

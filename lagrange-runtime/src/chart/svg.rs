@@ -75,8 +75,8 @@ struct Writer {
     letters: Letters,
     /// Number of occurrences of each polygon, and of each text.
     counts: HashMap<String, usize>,
-    /// Outlines, and glyphs of texts, by name. A name follows from its outline alone, so that the pictures of one
-    /// page can share it.
+    /// Outlines, and glyphs of texts, by name. A name follows from its outline alone, so that the pictures of one page
+    /// can share it.
     definitions: BTreeMap<String, String>,
 }
 
