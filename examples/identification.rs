@@ -66,7 +66,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         // A step is halved until it lowers the sum of squares.
         let (mut change, before) = (inverse * right, squares(fit)?);
         converged = change.amax() < 1e-9;
-        while !converged && !(squares([fit[0] + change[0], fit[1] + change[1]])? < before) {
+        while !converged && squares([fit[0] + change[0], fit[1] + change[1]])? >= before {
             change *= 0.5;
         }
         fit = [fit[0] + change[0], fit[1] + change[1]];
