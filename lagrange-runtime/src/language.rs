@@ -42,7 +42,7 @@
 /// constraints it implements [`Constrained`](crate::Constrained), with prescribed coordinates
 /// [`Prescribed`](crate::traits::Prescribed), with inputs [`Inputs`](crate::Inputs) and
 /// [`InputJacobian`](crate::traits::InputJacobian), with states of first order [`States`](crate::traits::States).
-/// What is proved of the motion holds while inputs are held. Its documentation shows L, the equations of motion and
+/// Facts about the motion hold while inputs are constant. Its documentation shows L, the equations of motion and
 /// all facts found.
 ///
 /// # Statements
@@ -83,26 +83,26 @@
 ///
 /// # Rotations as coordinates
 ///
-/// `coord R: rotation;` is an attitude in space without singular ones, [`State`](crate::State)s have three numbers
-/// for it:
+/// `coord R: rotation;` is an attitude in space without singular ones. A [`State`](crate::State) has three numbers for
+/// it:
 ///
 /// | what | is |
 /// |---|---|
 /// | R | takes components in the turned axes to those in the axes that they are turned in: `x_parent = R x`, its columns are the turned axes |
 /// | quaternion | of Hamilton, `q = w + i x + j y + k z` with `x_parent = q x q*`, as nalgebra's `q * x`; `UnitQuaternion` keeps it as (x, y, z, w) |
-/// | sign | q and −q are the same attitude; those that are read have w ≥ 0 where \|σ\| ≤ 1 |
+/// | sign | q and −q are the same attitude; the functions that read an attitude return w ≥ 0 where \|σ\| ≤ 1 |
 /// | products | `A * B` turns by B in the axes that A has turned |
 /// | angular velocity ω | of the turned axes in those that they are turned in, by its components in the turned axes ("body axes"): Ṙ = R \[ω\]×; `R * ω` are those in the axes of the parent |
 /// | coordinates | Rodrigues' modified parameters σ = n tan(θ/4) of a turn by θ about the unit vector n |
 /// | velocities | σ̇ |
 ///
-/// nalgebra's types have the rest: [`UnitQuaternion`](crate::traits::UnitQuaternion)s are made of and read as axes
-/// with angles, matrices and Euler's angles.
+/// nalgebra converts a [`UnitQuaternion`](crate::traits::UnitQuaternion) from and to an axis with an angle, a matrix
+/// and Euler angles.
 ///
-/// σ and −σ/|σ|² are the same attitude. A run changes between them from step to step, and a step stays with that of
-/// its beginning: compare attitudes, not parameters. An event on a parameter also occurs where it jumps, so make
-/// events of the attitude, such as `R * [1, 0, 0]`. Near R = 1 a parameter is a quarter of an angle in rad, and so
-/// are derivatives by it: the rows of B that belong to σ̇ are a quarter of those that belong to ω.
+/// σ and −σ/|σ|² are the same attitude. A run may change between them after a step, never within one: compare
+/// attitudes, not parameters. An event on a parameter also occurs where it jumps, so make events of the attitude, such
+/// as `R * [1, 0, 0]`. Near R = 1 a parameter is a quarter of an angle in rad, and so are derivatives by it: the rows
+/// of B that belong to σ̇ are a quarter of those that belong to ω.
 ///
 /// # Directions as coordinates
 ///
@@ -118,7 +118,7 @@
 /// | `Q[n] = [Fx, Fy, Fz];` | a generalized force, which does the work F·ṅ; what it has along n does none |
 ///
 /// Methods are those of systems with [constraints](#constraints): all on (q, q̇), in lanes, with Taylor series,
-/// events and all analysis in two degrees of freedom; those on (q, p) are refused.
+/// events and all analysis in two degrees of freedom; those on (q, p) are a compile error.
 ///
 /// # Frames and rigid bodies
 ///
@@ -145,9 +145,9 @@
 /// | `force F at link;` | a force in the axes of the frame, at its origin; `force F at link.point([…]);` has its components in the world |
 /// | `couple M on link;` | a couple in the axes of the frame |
 ///
-/// A body whose mass centre lies elsewhere has it at `frame(link, [x, y, z])`. These words are names like others: a
-/// `let body = …;` of yours comes first. Equations are formed at the velocities of the frames (Euler–Poincaré), not
-/// in angles, so that a chain of bodies costs what the recursive algorithms of robotics cost.
+/// A body whose mass centre lies elsewhere has it at `frame(link, [x, y, z])`. These words are ordinary names: a `let
+/// body = …;` of the system hides the built-in one. Equations are formed at the velocities of the frames
+/// (Euler–Poincaré), not in angles, so that a chain of bodies costs what the recursive algorithms of robotics cost.
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
@@ -211,28 +211,27 @@
 ///
 /// `state i;` is a value with an equation of first order, `rate(i) = …;`: the current of a motor, a filter, the
 /// integrator of a controller, a temperature. V, D, Q, forces, rates and outputs may depend on it, as on time; T,
-/// places and constraints may not. It is an output under its name, and [`States`](crate::traits::States) says where
-/// it is in a [`State`](crate::State).
+/// places and constraints may not. It is also an output under its name; [`States`](crate::traits::States) documents its
+/// place in a [`State`](crate::State).
 ///
 /// # Inputs
 ///
-/// An input is constant while the motion goes on: `dot(u)` is 0, as that of a parameter. Where it is changed,
-/// positions and velocities stay what they are, and momenta and energy jump if T depends on it. That is a model of a
-/// change which no impulse accompanies, such as a mass that is added with the velocity of the body. Where the
-/// momentum is what stays, set the velocities as well ([`Stepper::set_state`](crate::Stepper::set_state)). A reduced
-/// system of `routhian Reduced;` has the momentum for a parameter and keeps it: after a change of an input in T, the
-/// whole system and the reduced one are two different motions.
+/// An input is constant between changes: `dot(u)` is 0, as for a parameter. When it changes, positions and velocities
+/// stay as they are, and momenta and energy jump if T depends on it. This models a change without an impulse, such as a
+/// mass that is added with the velocity of the body. If the momentum is conserved instead, set the velocities as well
+/// ([`Stepper::set_state`](crate::Stepper::set_state)). A reduced system of `routhian Reduced;` has the momentum for a
+/// parameter and keeps it: after a change of an input in T, the whole system and the reduced one are two different
+/// motions.
 ///
 /// # Events
 ///
 /// `event name: g;` names a function g(q, q̇, t) of the parameters and inputs, whose roots are events. It is compiled
-/// with its derivatives ġ and, where g depends on positions and time alone, g̈ along a motion, by which a run sees
-/// that there is no event in a step. `rising` or `falling` after g choose a direction, `terminal` ends a run there,
-/// in any order; an event without a direction is one of both. The type has the constant `NAME`, an
-/// [`Event`](crate::Event) as one that is made of a closure; an array of functions makes an array of events,
-/// `WALLS[0]`. The value of g at a state is `Name::NAME.value(&system, &state)`. A reduced system has those events
-/// that do not depend on the ignorable coordinates. g may use `reaction(…)`: where a rope goes slack, the multiplier
-/// of its constraint passes zero.
+/// with its derivatives ġ and, where g depends on positions and time alone, g̈ along a motion, by which a run proves
+/// that there is no event in a step. `rising` or `falling` after g choose a direction, `terminal` ends a run there, in
+/// any order; an event without a direction occurs in both. The type has the constant `NAME`, an [`Event`](crate::Event)
+/// as one that is made of a closure; an array of functions makes an array of events, `WALLS[0]`. The value of g at a
+/// state is `Name::NAME.value(&system, &state)`. A reduced system has those events that do not depend on the ignorable
+/// coordinates. g may use `reaction(…)`: where a rope goes slack, the multiplier of its constraint passes zero.
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
@@ -299,13 +298,13 @@
 ///
 /// # Coordinates that are held
 ///
-/// `pub restriction Planar: phi = 0;` emits the system in which `phi` is 0 as a type of its own, which takes
-/// attributes and a visibility; there may be several. What is held is a coordinate, an array of them or an element,
-/// `theta[1] = 0`, at a number or an expression of parameters. The type has the other coordinates, the same
-/// parameters, inputs, states and outputs, and those events and constraints that still say something. It is exact:
-/// the compiler proves that what starts there stays there, and refuses the statement, with what drives the coordinate
-/// away, where it does not. [`Restricted`](crate::traits::Restricted) makes it of the whole system and a state, and
-/// lifts states back.
+/// `pub restriction Planar: phi = 0;` emits the system in which `phi` is 0 as a type of its own, which takes attributes
+/// and a visibility; there may be several. What is held is a coordinate, an array of them or an element, `theta[1] =
+/// 0`, at a number or an expression of parameters. The type has the other coordinates, the same parameters, inputs,
+/// states and outputs, and those events and constraints that the held coordinates do not decide. It is exact: the
+/// compiler proves that a motion that starts there stays there. Otherwise the statement is a compile error that names
+/// what drives the coordinate away. [`Restricted`](crate::traits::Restricted) makes the smaller system from the whole
+/// one and a state, and lifts states back.
 ///
 /// # Simpler energies
 ///
@@ -322,10 +321,10 @@
 /// | `quasistatic x` | x follows the others by ∂V/∂x = Q with all velocities 0, where that is linear in x (static condensation): a stiff spring without its vibration |
 /// | `average omega * t` | the mean over the phase of a fast given motion, to leading order in 1/ω: Kapitza's effective potential. `lift` adds the fast part of the velocities |
 ///
-/// Coordinates are held and terms neglected first, then statics are solved, then the rest is done as it is written.
-/// The documentation of the type says what was left out. A move that changes nothing, makes M singular or takes the
-/// last term away in which a coordinate appears is an error, and so is a type that costs more than the whole one.
-/// [`Restricted`](crate::traits::Restricted) leads to the type and back.
+/// Coordinates are held and terms neglected first, then statics are solved, then the rest is done as it is written. The
+/// documentation of the type says what was left out. A move that changes nothing, makes M singular or removes the last
+/// term in which a coordinate appears is an error, and so is a type that costs more than the whole one.
+/// [`Restricted`](crate::traits::Restricted) converts systems and states to the type and back.
 ///
 /// # Expressions
 ///
@@ -348,12 +347,12 @@
 /// | Arrays and iterators are one kind of list, with the methods and indices of both; a sum needs no type | `x.sum()`, `x.zip(y)[0]` |
 /// | Code that is never evaluated is not checked: the other branch where integers decide an `if`, a function that is not called | `if i == 0 { 0 } else { x[i - 1] }` |
 ///
-/// A quotient of two integer literals, which Rust rounds, is refused, and so is a quotient of integers with a remainder
-/// outside of an index. Numbers are exact before they are rounded: zero has no sign, and `0 * x` is 0, also where x is
-/// infinite. Formulas are simplified where they have a value, and may have one elsewhere: `x / x` is 1, also at 0, and
-/// `sqrt(x).powi(2)` is x, also below 0. `min` and `max` may pass on a NaN, which Rust's drop. `clamp` passes on that
-/// of its number; a bound that is NaN is none, and of bounds in the wrong order the upper one counts, where Rust's
-/// panics.
+/// A quotient of two integer literals, which Rust rounds, is a compile error, and so is a quotient of integers with a
+/// remainder outside of an index. Numbers are exact before they are rounded: zero has no sign, and `0 * x` is 0, also
+/// where x is infinite. Formulas are simplified where they have a value, and may have one elsewhere: `x / x` is 1, also
+/// at 0, and `sqrt(x).powi(2)` is x, also below 0. `min` and `max` may return a NaN argument, which Rust's ignore.
+/// `clamp` returns NaN if its number is NaN, and ignores a bound that is NaN. If its bounds are in the wrong order it
+/// returns the upper one, where Rust's panics.
 ///
 /// # Names
 ///

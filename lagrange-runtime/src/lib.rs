@@ -59,13 +59,6 @@
 //! method without an error estimate under an adaptive controller is a compile error, and so is [`Verlet`] on a system
 //! that is not [`Separable`](traits::Separable).
 //!
-//! # Units and order of components
-//!
-//! Quantities have the units that the system is written in, any that fit together: steps have the unit of t, absolute
-//! tolerances the units of q and q̇. Where documentation names a unit it is that of SI. Angles are in radians. A vector
-//! has an element for each coordinate, in the order of their declaration, and then one for each [state of first
-//! order](traits::States); a matrix of (q, q̇) has q above q̇.
-//!
 //! If you do not want to choose a method, call [`simulate`], which returns the final state, or [`method_for`], which
 //! chooses a method and its controller for a [`goal`] and gives the reason. It takes the first row of this table that
 //! fits ([`method::choice::RECOMMENDATIONS`]):
@@ -82,6 +75,13 @@
 //! | `LongTime` | any other | [`Dop853`] | no method bounds the energy without velocities from momenta; of attitudes order 8 errs least |
 //! | `Stiff`, 1e-7 or coarser | any | [`Rodas5P`] | its steps do not follow the fastest rates, and need no iteration |
 //! | `Stiff` | any | [`Radau5`] | its steps do not follow the fastest rates, and its errors are the smaller ones |
+//!
+//! # Units and order of components
+//!
+//! Quantities have the units that the system is written in, any that fit together: steps have the unit of t, absolute
+//! tolerances the units of q and q̇. Where documentation names a unit it is that of SI. Angles are in radians. A vector
+//! has an element for each coordinate, in the order of their declaration, and then one for each [state of first
+//! order](traits::States); a matrix of (q, q̇) has q above q̇.
 //!
 //! # Equilibria, vibrations, stability
 //!
