@@ -680,3 +680,30 @@ fn the_root_has_a_bounded_number_of_names() {
     // (With the macro.)
     assert!((30..60).contains(&names.len()), "{}: {names:?}", names.len());
 }
+
+/// A user has to know the traits of the prelude alone, and the front page says what each is for.
+#[test]
+fn the_prelude_has_a_bounded_number_of_traits() {
+    let lib = fs::read_to_string(Path::new(ROOT).join("lagrange-runtime/src/lib.rs")).expect("the crate");
+    let traits: BTreeSet<String> = sources("lagrange-runtime/src")
+        .values()
+        .flat_map(|text| text.split("pub trait ").skip(1).map(name_at_start).collect::<Vec<_>>())
+        .collect();
+    let prelude = code(&lib).split("pub mod prelude").nth(1).expect("the prelude").to_owned();
+    let prelude = prelude.split("\n}").next().unwrap_or_default();
+    let words: BTreeSet<&str> = prelude.split(|c: char| !c.is_alphanumeric() && c != '_').collect();
+    let known: Vec<&str> = traits.iter().map(String::as_str).filter(|name| words.contains(name)).collect();
+    assert!((10..=16).contains(&known.len()), "{}: {known:?}", known.len());
+    let table =
+        lib.split("//! # Traits").nth(1).and_then(|rest| rest.split("//! # ").next()).expect("a table");
+    let row = |name: &&str| {
+        table.lines().any(|line| line.starts_with("//! |") && line.contains(&format!("[`{name}`]")))
+    };
+    let unexplained: Vec<&str> = known.into_iter().filter(|name| !row(name)).collect();
+    assert!(unexplained.is_empty(), "no row of the front page: {unexplained:?}");
+}
+
+/// The identifier that a text begins with.
+fn name_at_start(text: &str) -> String {
+    text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect()
+}

@@ -145,8 +145,8 @@
 /// | `force F at link;` | a force in the axes of the frame, at its origin; `force F at link.point([…]);` has its components in the world |
 /// | `couple M on link;` | a couple in the axes of the frame |
 ///
-/// A body whose mass centre lies elsewhere has it at `frame(link, [x, y, z])`. These words are ordinary names: a `let
-/// body = …;` of the system hides the built-in one. Equations are formed at the velocities of the frames
+/// A body whose mass centre lies elsewhere has it at `frame(link, [x, y, z])`. These words are ordinary names: a
+/// `let body = …;` of the system hides the built-in one. Equations are formed at the velocities of the frames
 /// (Euler–Poincaré), not in angles, so that a chain of bodies costs what the recursive algorithms of robotics cost.
 ///
 /// ```
@@ -299,12 +299,12 @@
 /// # Coordinates that are held
 ///
 /// `pub restriction Planar: phi = 0;` emits the system in which `phi` is 0 as a type of its own, which takes attributes
-/// and a visibility; there may be several. What is held is a coordinate, an array of them or an element, `theta[1] =
-/// 0`, at a number or an expression of parameters. The type has the other coordinates, the same parameters, inputs,
-/// states and outputs, and those events and constraints that the held coordinates do not decide. It is exact: the
-/// compiler proves that a motion that starts there stays there. Otherwise the statement is a compile error that names
-/// what drives the coordinate away. [`Restricted`](crate::traits::Restricted) makes the smaller system from the whole
-/// one and a state, and lifts states back.
+/// and a visibility; there may be several. What is held is a coordinate, an array of them or an element,
+/// `theta[1] = 0`, at a number or an expression of parameters. The type has the other coordinates, the same parameters,
+/// inputs, states and outputs, and those events and constraints that the held coordinates do not decide. It is exact:
+/// the compiler proves that a motion that starts there stays there. Otherwise the statement is a compile error that
+/// names what drives the coordinate away. [`Restricted`](crate::traits::Restricted) makes the smaller system from the
+/// whole one and a state, and lifts states back.
 ///
 /// # Simpler energies
 ///

@@ -76,6 +76,32 @@
 //! | `Stiff`, 1e-7 or coarser | any | [`Rodas5P`] | its steps do not follow the fastest rates, and need no iteration |
 //! | `Stiff` | any | [`Radau5`] | its steps do not follow the fastest rates, and its errors are the smaller ones |
 //!
+//! # Traits
+//!
+//! The prelude has the traits whose functions programs call, and those that bound generic functions:
+//!
+//! | Trait | For |
+//! |---|---|
+//! | [`System`] | `accel`; the bound of a function of any system |
+//! | [`Lagrangian`] | L, `momenta`, `inertia`, `jacobian`, the terms of the equations of motion, and `FACTS` |
+//! | [`Energies`] | `kinetic`, `potential` and `energy`, where T and V were given |
+//! | [`Constrained`] | residuals, `multipliers` and `reactions` of constraints |
+//! | [`Impulsive`] | `jump` of the velocities under an impulse |
+//! | [`Inputs`] | `inputs` and `set_inputs` as a vector |
+//! | [`States`](traits::States) | `start` and `states` of a system with states of first order |
+//! | [`Routhian`] | `ignorable_velocities` of a reduced system |
+//! | [`Restricted`](traits::Restricted) | `restrict` and `lift` of a restriction or a simplified model |
+//! | [`Precompute`](traits::Precompute) | `precomputed` |
+//! | [`Method`] | the bound of a function of any method |
+//! | [`Interpolant`] | the state `at` a time within a step |
+//! | [`Scalar`], [`Real`] | bounds of functions of any number, and of those with comparisons |
+//! | [`Functions`] | `sin`, `sqrt` … of numbers other than `f64` |
+//!
+//! The module [`traits`] has the others: facts that the compiler proves and that methods require, derivatives
+//! ([`Linearize`](traits::Linearize), [`InputJacobian`](traits::InputJacobian)), Taylor series
+//! ([`Analytic`](traits::Analytic)), velocities from momenta ([`LegendreTransform`](traits::LegendreTransform)), and
+//! the interface of a function of the program ([`ExternFunction`](traits::ExternFunction)).
+//!
 //! # Units and order of components
 //!
 //! Quantities have the units that the system is written in, any that fit together: steps have the unit of t, absolute
@@ -305,18 +331,16 @@ macro_rules! __saved {
 /// Names that most programs need: `use lagrange_runtime::prelude::*;`.
 ///
 /// It holds the methods and controllers that the tables of the [front page](crate) recommend,
-/// [`integrate`](crate::integrate()) and its kin, and the traits that bounds of generic functions name.
+/// [`integrate`](crate::integrate()) and its kin, and the traits of the [table there](crate#traits).
 pub mod prelude {
     #[cfg(feature = "std")]
     pub use crate::integrate::{ControlLaw, SampledStepper};
-    pub use crate::traits::{
-        Analytic, Autonomous, Conservative, ConstantInertia, Constrained, ConstraintKind, CoordinateKind,
-        Energies, ExternFunction, Impulsive, Independent, InputJacobian, Inputs, Lagrangian,
-        LegendreTransform, Linear, Precompute, Precomputed, Prescribed, Restricted, Routhian, Separable,
-        States, System, UnitQuaternion, Vector3,
-    };
     #[cfg(feature = "std")]
     pub use crate::traits::{Beyond, Curve, Surface};
+    pub use crate::traits::{
+        Constrained, ConstraintKind, CoordinateKind, Energies, Impulsive, Inputs, Lagrangian, Precompute,
+        Precomputed, Restricted, Routhian, States, System, UnitQuaternion, Vector3,
+    };
     pub use crate::{
         BlanesMoan4, BlanesMoan6, Compose, Dop853, DormandPrince5, DoubleDouble, Dual, Event, Failure,
         FixedStep, Functions, Gauss4, Gauss6, Gradient, ImplicitMidpoint, Interpolant, KahanLi8,

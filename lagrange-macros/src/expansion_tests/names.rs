@@ -128,7 +128,7 @@ const WORDS: &str = "as break const continue crate else enum extern false fn for
     sin dot reaction x y φ Θ θ̇ ẋ Größe µ _x S K N R M KEY";
 
 /// Roles that a name may have: the word for the role, and a definition in which NAME has it.
-pub const ROLES: [(&str, &str); 21] = [
+pub const ROLES: [(&str, &str); 22] = [
     ("param", "system A { param NAME, other; coord z; T = NAME * dot(z).powi(2); V = other * z.cos(); }"),
     (
         "param array",
@@ -145,6 +145,10 @@ pub const ROLES: [(&str, &str); 21] = [
     (
         "input",
         "system A { input NAME, other; coord z; T = 0.5 * dot(z).powi(2); V = NAME * z.cos(); Q[z] = other; }",
+    ),
+    (
+        "input array",
+        "system A { input NAME: [2]; coord z; T = 0.5 * dot(z).powi(2); V = NAME[0] * z.cos(); Q[z] = NAME[1]; }",
     ),
     ("param default", "system A { param NAME = 2; coord z; T = NAME * dot(z).powi(2); V = z.sin() / NAME; }"),
     (
