@@ -21,6 +21,7 @@ use lagrange_runtime::ensemble::{
     rand_distr::{Distribution, Uniform},
 };
 use lagrange_runtime::prelude::*;
+use lagrange_runtime::traits::Analytic;
 use lagrange_runtime::{Nystrom12, method::nystrom::Nystrom8};
 use std::collections::{BTreeMap, BTreeSet};
 use std::error::Error;

@@ -81,9 +81,9 @@ pub fn main() -> Result<(), Box<dyn Error>> {
 
     // The place of the greatest power coefficient without pitch, where the spline has no slope.
     let slope =
-        |r: f64| coefficient.value([Dual::variable(Dual::variable(r)), Dual::constant(Dual::constant(0.0))]);
+        |r: f64| coefficient.at(Dual::variable(Dual::variable(r)), Dual::constant(Dual::constant(0.0)));
     let best = (0..20).fold(8.0, |r: f64, _| r - slope(r).slope.value / slope(r).slope.slope);
-    let greatest = coefficient.value([best, 0.0]);
+    let greatest = coefficient.at(best, 0.0);
     println!("the greatest power coefficient is {greatest:.4}, at a tip-speed ratio of {best:.3}");
     assert!((best - 8.1).abs() < 0.02 && (greatest - 0.48).abs() < 1e-3);
 
@@ -99,7 +99,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     let work = run().integrals([0.0; 2], at).total()?.integrals;
     let balance = work[0] - work[1] - (turbine.energy_at(end) - turbine.energy_at(&start));
     let available = run().integrals([0.0], |s| {
-        [0.5 * turbine.rho * PI * turbine.R.powi(2) * greatest * turbine.wind.value([s.t]).powi(3)]
+        [0.5 * turbine.rho * PI * turbine.R.powi(2) * greatest * turbine.wind.at(s.t).powi(3)]
     });
     let share = work[0] / available.total()?.integrals[0];
     println!("generated {:.1} kWh; the rotor takes {:.2} % of the best", work[1] / 3.6e6, 100.0 * share);
@@ -120,15 +120,14 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     println!("dω̇/dω = {:.4}/s, dω̇/dpitch = {:.2e} rad/s² per degree", model.a[(1, 1)], model.b[(1, 0)]);
     assert!(model.a[(1, 1)] < 0.0 && model.b[(1, 0)] < 0.0);
 
-    let ideal =
-        states.iter().map(|s| (s.t, best * turbine.wind.value([s.t]) / turbine.R * 60.0 / (2.0 * PI)));
+    let ideal = states.iter().map(|s| (s.t, best * turbine.wind.at(s.t) / turbine.R * 60.0 / (2.0 * PI)));
     let chart = Chart::new(
         "A wind turbine follows a measured wind",
         Axis::linear("time t", "s"),
         Axis::linear("speed of the wind (m/s), of the rotor (1/min)", ""),
     )
     .subtitle("a cubic spline through means of ten seconds, and a map of the power coefficient")
-    .with(Series::line("wind", states.iter().map(|s| (s.t, turbine.wind.value([s.t])))))
+    .with(Series::line("wind", states.iter().map(|s| (s.t, turbine.wind.at(s.t)))))
     .with(Series::line("rotor", states.iter().map(|s| (s.t, s.qd[0] * 60.0 / (2.0 * PI)))))
     .with(Series::line("rotor of the greatest power", ideal));
     let folder = support::charts()?;

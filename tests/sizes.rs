@@ -2,6 +2,7 @@
 
 use approx::assert_relative_eq;
 use lagrange_runtime::prelude::*;
+use lagrange_runtime::traits::LegendreTransform;
 
 /// The positions of a chain that is not written with `let`, so that nothing is left to eliminate but M.
 macro_rules! without_names {

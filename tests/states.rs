@@ -4,6 +4,7 @@
 
 use lagrange_runtime::Controller;
 use lagrange_runtime::prelude::*;
+use lagrange_runtime::traits::InputJacobian;
 
 lagrangian! {
     /// A motor on a pendulum, the current of its armature, and a controller that integrates its error.

@@ -1,6 +1,7 @@
 //! Tables as arrays of parameters: data that are given with the system's value, against closed forms.
 
 use lagrange_runtime::prelude::*;
+use lagrange_runtime::traits::InputJacobian;
 
 lagrangian! {
     /// A body in a measured wind, whose values are a second apart or so, linear in between and constant beyond the

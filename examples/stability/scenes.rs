@@ -16,6 +16,7 @@ use lagrange_runtime::method::splitting::PositionVerlet;
 use lagrange_runtime::method::variational::VariationalTrapezoid;
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::testing::reference::{KeplerOrbit, SimplePendulum};
+use lagrange_runtime::traits::{Analytic, Conservative, LegendreTransform, Separable};
 use lagrange_runtime::{
     BlanesMoan6, Controller, KahanLi8, Nystrom12,
     method::nystrom::{Nystrom6, Nystrom8},

@@ -5,6 +5,7 @@ use crate::methods::{Family, Sweep};
 use crate::problems::Problem;
 use lagrange_runtime::method::explicit_rk::Tsitouras5;
 use lagrange_runtime::prelude::*;
+use lagrange_runtime::traits::{Analytic, LegendreTransform, Separable};
 use lagrange_runtime::{BlanesMoan6, Nystrom12, method::compose::Yoshida6};
 
 impl<Sys: LegendreTransform<N, Scalar = f64> + Analytic<N> + Clone, const N: usize> Problem<Sys, N> {

@@ -8,6 +8,7 @@ use lagrange_runtime::method::splitting::PositionVerlet;
 use lagrange_runtime::method::variational::VariationalTrapezoid;
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::testing::reference::SeriesMotion;
+use lagrange_runtime::traits::{Analytic, Autonomous, Conservative, LegendreTransform, Linear, Separable};
 use lagrange_runtime::{
     BlanesMoan4, BlanesMoan6, DoubleDouble, KahanLi8, Nystrom12,
     method::compose::{HairerLubichWanner10, KahanLi6, Suzuki4, SuzukiUmeno8, TripleJump, Yoshida6},

@@ -2,6 +2,7 @@
 
 use crate::problems::Problem;
 use lagrange_runtime::prelude::*;
+use lagrange_runtime::traits::Analytic;
 use lagrange_runtime::{Controller, Statistics, controller::ErrorEstimate, integrate::Failed};
 
 /// State of a run and its cost so far.

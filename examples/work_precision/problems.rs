@@ -1,6 +1,7 @@
 //! Motions from a start to an end that is known to the last digit.
 
 use lagrange_runtime::prelude::*;
+use lagrange_runtime::traits::Conservative;
 
 /// Definition of [`Problem::error`], for the axes of charts.
 pub const ERROR: &str = "error: largest |Δq|/max|q|, |Δq̇|/max|q̇|";

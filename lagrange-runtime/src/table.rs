@@ -216,6 +216,12 @@ impl Curve {
         Curve::try_from(CurveData { rule, beyond, x: x.to_vec(), y: y.to_vec() })
     }
 
+    /// The value at x, in the unit of the ordinates.
+    #[inline]
+    pub fn at<S: Scalar>(&self, x: S) -> S {
+        self.value([x])
+    }
+
     /// The first and the last knot, in the unit of x.
     pub fn range(&self) -> [f64; 2] {
         let x = &self.0.data.x;
@@ -297,6 +303,12 @@ impl Surface {
     /// As [`linear`](Self::linear).
     pub fn cubic(x: &[f64], y: &[f64], z: &[f64], beyond: Beyond) -> Result<Surface, InvalidTable> {
         Surface::of(Rule::Cubic, beyond, x, y, z)
+    }
+
+    /// The value at (x, y), in the unit of the values of the table.
+    #[inline]
+    pub fn at<S: Scalar>(&self, x: S, y: S) -> S {
+        self.value([x, y])
     }
 
     fn of(rule: Rule, beyond: Beyond, x: &[f64], y: &[f64], z: &[f64]) -> Result<Surface, InvalidTable> {

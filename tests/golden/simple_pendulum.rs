@@ -3,7 +3,8 @@
 
 use super::harness::{Row, State, Subject, list, number, with_reference};
 use lagrange_runtime::Lagrangian;
-use lagrange_runtime::prelude::{Conservative, ConstantInertia, SVector, Separable, lagrangian};
+use lagrange_runtime::prelude::{SVector, lagrangian};
+use lagrange_runtime::traits::{Conservative, ConstantInertia, Separable};
 
 lagrangian! {
     /// A mass on a light rod, by its angle from the downward vertical.

@@ -2,7 +2,8 @@
 
 use super::harness::{Row, list, number, with_reference};
 use lagrange_runtime::Lagrangian;
-use lagrange_runtime::prelude::{Conservative, Linear, SVector, Separable, lagrangian};
+use lagrange_runtime::prelude::{SVector, lagrangian};
+use lagrange_runtime::traits::{Conservative, Linear, Separable};
 
 lagrangian! {
     /// Displacements from rest, the masses by name.

@@ -4,6 +4,7 @@
 
 use lagrange_runtime::Controller;
 use lagrange_runtime::prelude::*;
+use lagrange_runtime::traits::Analytic;
 
 lagrangian! {
     /// A free body.

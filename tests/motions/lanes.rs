@@ -15,6 +15,7 @@ use lagrange_runtime::lanes::{
 use lagrange_runtime::method::rosenbrock::Rodas4;
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::testing::reference::SimplePendulum;
+use lagrange_runtime::traits::ExternFunction;
 use std::path::PathBuf;
 use std::time::Duration;
 

@@ -1,5 +1,6 @@
 use super::*;
 use crate::prelude::*;
+use crate::traits::InputJacobian;
 use crate::traits::{Linearize, dual_jacobian};
 
 const X: [f64; 6] = [0.0, 0.7, 1.1, 2.5, 3.0, 4.6];

@@ -4,6 +4,7 @@ use lagrange_runtime::analysis::{
     BifurcationKind, Heading, Path, Sensitivity, SmallMotion, equilibria, equilibrium, follow, sensitivity,
 };
 use lagrange_runtime::prelude::*;
+use lagrange_runtime::traits::Prescribed;
 use nalgebra::SVector;
 
 lagrangian! {

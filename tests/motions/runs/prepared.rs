@@ -2,6 +2,7 @@
 
 use lagrange_runtime::Facts;
 use lagrange_runtime::prelude::*;
+use lagrange_runtime::traits::Prescribed;
 
 lagrangian! {
     system Spring {

@@ -2,6 +2,7 @@
 
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::testing::reference::SimplePendulum;
+use lagrange_runtime::traits::Analytic;
 use lagrange_runtime::traits::TaylorSeries;
 use lagrange_runtime::{DoubleDouble, Gradient, method::taylor::LongTaylor};
 

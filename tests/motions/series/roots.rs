@@ -3,6 +3,7 @@
 use super::*;
 use crate::systems::emitted::Ball;
 use lagrange_runtime::method::choice::{RecommendedMethods, goal, method_for};
+use lagrange_runtime::traits::Analytic;
 
 /// Balls in air with other drags than that of [`Ball`], or with its drag in other words.
 macro_rules! balls {

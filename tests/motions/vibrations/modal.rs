@@ -6,6 +6,7 @@ use crate::systems::{Cartesian, Damped, DoublePendulum, Follower, Plain, Shaken,
 use lagrange_runtime::analysis::*;
 use lagrange_runtime::lanes::{FinalState, InRange};
 use lagrange_runtime::prelude::*;
+use lagrange_runtime::traits::LegendreTransform;
 use lagrange_runtime::traits::{Autonomous, Conservative, Linear, Linearize, Separable};
 use std::f64::consts::PI;
 

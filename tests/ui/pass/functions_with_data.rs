@@ -3,6 +3,7 @@ use lagrange_runtime::prelude::*;
 
 pub mod gusts {
     use lagrange_runtime::prelude::*;
+    use lagrange_runtime::traits::ExternFunction;
 
     #[derive(Clone, Debug, PartialEq)]
     pub struct Sum<const K: usize>(pub [f64; K]);
