@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let pendulum = Pendulum::new(1.3, 0.85); // m, l; g has a default
     let start = State::new(0.0, [2.0], [0.0]); // t, q, q̇
 
-    // The motion over ten seconds, at 500 equal intervals.
+    // The motion over ten seconds, at 500 equal intervals: 501 states, with both ends.
     let run = integrate(&pendulum, Dop853, PiController::tolerance(1e-10), start).until(10.0);
     let states = run.sample_evenly(500).collect::<Result<Vec<_>, _>>()?;
 

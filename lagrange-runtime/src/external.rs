@@ -10,6 +10,7 @@ use core::fmt::Debug;
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
+/// use lagrange_runtime::traits::ExternFunction;
 ///
 /// /// Gusts a sin(ωᵢ t).
 /// #[derive(Clone, Debug, PartialEq)]

@@ -150,8 +150,8 @@ struct CurveData {
 /// use lagrange_runtime::prelude::*;
 /// let values = [0.0, 2.0, 1.0, 4.0, 5.0, 9.0]; // at (0, 0), (0, 10), (1, 0), …
 /// let torque = Surface::linear(&[0.0, 1.0, 2.0], &[0.0, 10.0], &values, Beyond::Refused)?;
-/// assert_eq!(torque.value([0.5, 5.0]), 1.75);
-/// assert!(f64::is_nan(torque.value([0.5, 11.0])));
+/// assert_eq!(torque.at(0.5, 5.0), 1.75);
+/// assert!(f64::is_nan(torque.at(0.5, 11.0)));
 /// # Ok::<(), lagrange_runtime::traits::InvalidTable>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]

@@ -3,7 +3,8 @@
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::testing::reference::{KeplerOrbit, SeriesMotion, SimplePendulum};
 use lagrange_runtime::testing::distance;
-use lagrange_runtime::{DoubleDouble, traits::LegendreTransform};
+use lagrange_runtime::DoubleDouble;
+use lagrange_runtime::traits::{Analytic, LegendreTransform};
 
 #[path = "../../support/systems.rs"]
 mod systems;

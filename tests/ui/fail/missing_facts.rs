@@ -74,7 +74,7 @@ pub mod modes_of_a_nonlinear_system {
         }
     }
 
-    fn modes(_: &impl Linear<1>) {}
+    fn modes(_: &impl lagrange_runtime::traits::Linear<1>) {}
 
     pub fn main() {
         modes(&Pendulum::new(1.0, 1.0));
@@ -95,7 +95,7 @@ pub mod projection_of_a_damped_system {
         }
     }
 
-    fn projected(_: &impl Conservative<1>) {}
+    fn projected(_: &impl lagrange_runtime::traits::Conservative<1>) {}
 
     pub fn main() {
         projected(&Oscillator::new(1.0, 1.0, 0.1));
@@ -115,7 +115,7 @@ pub mod splitting_of_a_system_that_is_not_separable {
         }
     }
 
-    fn leapfrog(_: &impl Separable<2>) {}
+    fn leapfrog(_: &impl lagrange_runtime::traits::Separable<2>) {}
 
     pub fn main() {
         leapfrog(&Orbit::new(1.0, 1.0));

@@ -6,6 +6,7 @@
 use lagrange_runtime::ensemble::{Ensemble, Moments, Table};
 use lagrange_runtime::lanes::{Fused, FinalState};
 use lagrange_runtime::prelude::*;
+use lagrange_runtime::traits::Analytic;
 use std::hint::black_box;
 use std::time::Instant;
 
