@@ -681,6 +681,37 @@ fn the_root_has_a_bounded_number_of_names() {
     assert!((30..60).contains(&names.len()), "{}: {names:?}", names.len());
 }
 
+/// A function of the compiler fits a page or two.
+#[test]
+fn functions_of_the_compiler_are_short() {
+    const MAX_LINES: usize = 100;
+    let lib = fs::read_to_string(Path::new(ROOT).join("lagrange-macros/src/lib.rs")).expect("the crate");
+    let mut seen = 0;
+    let mut long = Vec::new();
+    for (name, text) in texts("lagrange-macros/src") {
+        if is_test(&name, &lib) {
+            continue;
+        }
+        let lines: Vec<&str> = text.lines().collect();
+        for (first, line) in lines.iter().enumerate() {
+            let head = line.trim_start();
+            let indent = &line[..line.len() - head.len()];
+            let is_function =
+                ["fn ", "pub fn ", "pub(crate) fn ", "pub(super) fn ", "const fn ", "pub const fn "];
+            if !is_function.iter().any(|start| head.starts_with(start)) || head.ends_with(['}', ';']) {
+                continue;
+            }
+            let is_end = |line: &&str| line.strip_prefix(indent).is_some_and(|rest| rest == "}");
+            let length = lines[first..].iter().position(|line| is_end(&line)).expect("an end") + 1;
+            seen += 1;
+            if length > MAX_LINES {
+                long.push(format!("{name}:{}: {length} lines", first + 1));
+            }
+        }
+    }
+    assert!(long.is_empty() && seen > 500, "of {seen}: {long:#?}");
+}
+
 /// A user has to know the traits of the prelude alone, and the front page says what each is for.
 #[test]
 fn the_prelude_has_a_bounded_number_of_traits() {

@@ -2,17 +2,19 @@
 
 Each program has one system of `systems.rs` and one way to use it. Printed is the processor time of `cargo build --release` in seconds (dependencies
 compiled before; of all cores together, so that it says the same on a busy machine), the least of the rounds. `--runtime` is the folder of another
-`lagrange-runtime`, to compare with. `--limit` gives up after so many seconds on the clock. `--check` measures `cargo check` after a change of the file instead.
+`lagrange-runtime`, to compare with. `--limit` gives up after so many seconds on the clock. `--check` measures `cargo check` after a change of the file instead,
+and `--clean` a release build with its dependencies.
 """
 
 import argparse
 import os
 import resource
+import shutil
 import subprocess
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-SYSTEMS = ["pendulum_by_hand", "pendulum", "double_pendulum_by_hand", "double_pendulum", "arm", "floating_arm", "ball_chain", "bicycle", "truss"]
+SYSTEMS = ["pendulum_by_hand", "pendulum", "double_pendulum_by_hand", "double_pendulum", "arm_by_hand", "arm", "floating_arm", "ball_chain", "bicycle_by_hand", "bicycle", "truss"]
 
 
 def run(method, controller, number=""):
@@ -60,10 +62,12 @@ fn main() {
 """
 
 
-def seconds(folder, program, limit, check=False):
-    """Processor time of one build, without its dependencies."""
+def seconds(folder, program, limit, check=False, clean=False):
+    """Processor time of one build, with its dependencies if it is a clean one."""
     (folder / "src" / "main.rs").write_text(program)
     environment = {**os.environ, "CARGO_TARGET_DIR": str(folder / "target"), "CARGO_INCREMENTAL": "1" if check else "0"}
+    if clean:
+        shutil.rmtree(folder / "target", ignore_errors=True)
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     command = ["cargo", "check", "-q"] if check else ["cargo", "build", "--release", "-q"]
     try:
@@ -83,6 +87,7 @@ def main():
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--limit", type=float, default=600)
     parser.add_argument("--check", action="store_true")
+    parser.add_argument("--clean", action="store_true")
     options = parser.parse_args()
     folder = options.folder
     (folder / "src").mkdir(parents=True, exist_ok=True)
@@ -97,7 +102,7 @@ def main():
             found = []
             for round in range(options.rounds):
                 text = program.replace("RUN", RUNS[run]) + f"// {round}\n"
-                found.append(seconds(folder, text, options.limit, options.check))
+                found.append(seconds(folder, text, options.limit, options.check, options.clean))
             print(f" | {min(found):.2f}" if min(found) < float("inf") else f" | > {options.limit:.0f}", end="", flush=True)
         print(" |", flush=True)
 

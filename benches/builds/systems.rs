@@ -59,6 +59,205 @@ macro_rules! by_hand {
     };
 }
 
+/// Motions of bodies and their balance, for systems by hand.
+macro_rules! bodies_by_hand {
+    () => {
+        /// Motion of the axes of a body, in those of the world.
+        #[derive(Clone, Copy)]
+        pub struct Axes {
+            turn: UnitQuaternion<f64>,
+            origin: Vector3<f64>,
+            omega: Vector3<f64>,
+            velocity: Vector3<f64>,
+            alpha: Vector3<f64>,
+            acceleration: Vector3<f64>,
+        }
+
+        impl Axes {
+            fn world() -> Self {
+                let zero = Vector3::zeros();
+                Axes { turn: UnitQuaternion::identity(), origin: zero, omega: zero, velocity: zero, alpha: zero, acceleration: zero }
+            }
+
+            /// Axes that stay parallel, at a point that is given in these.
+            fn at(&self, point: [f64; 3]) -> Self {
+                let arm = self.turn * Vector3::from(point);
+                let swept = self.omega.cross(&arm);
+                Axes {
+                    origin: self.origin + arm,
+                    velocity: self.velocity + swept,
+                    acceleration: self.acceleration + self.alpha.cross(&arm) + self.omega.cross(&swept),
+                    ..*self
+                }
+            }
+
+            /// Axes that are turned about an axis by an angle, which has a rate and an acceleration.
+            fn turned(&self, axis: [f64; 3], [angle, rate, acceleration]: [f64; 3]) -> Self {
+                let axis = Vector3::from(axis);
+                let about = self.turn * axis;
+                let omega = self.omega + about * rate;
+                Axes {
+                    turn: self.turn * UnitQuaternion::new(axis * angle),
+                    omega,
+                    alpha: self.alpha + about * acceleration + self.omega.cross(&about) * rate,
+                    ..*self
+                }
+            }
+        }
+
+        /// A body by its mass, its moments and products of inertia about its mass centre, and the motion of this.
+        pub struct Body(f64, [[f64; 3]; 3], Axes);
+
+        /// Inertia matrix and the generalized forces that keep the accelerations at 0, from the partial velocities of
+        /// the bodies (Kane): `bodies(q̇, q̈)`.
+        fn balance<const N: usize, const B: usize>(
+            g: f64,
+            qd: &SVector<f64, N>,
+            bodies: impl Fn(&SVector<f64, N>, &SVector<f64, N>) -> [Body; B],
+        ) -> (SMatrix<f64, N, N>, SVector<f64, N>) {
+            let (zero, up) = (SVector::<f64, N>::zeros(), Vector3::new(0.0, 0.0, 1.0));
+            let partial: [[Body; B]; N] = core::array::from_fn(|j| bodies(&SVector::from_fn(|i, _| f64::from(i == j)), &zero));
+            let (mut inertia, mut forces) = (SMatrix::zeros(), SVector::zeros());
+            for (k, Body(mass, moments, at)) in bodies(qd, &zero).into_iter().enumerate() {
+                let to_world = at.turn.to_rotation_matrix().into_inner();
+                let moments = to_world * SMatrix::<f64, 3, 3>::from(moments) * to_world.transpose();
+                let force = (at.acceleration + up * g) * mass;
+                let moment = moments * at.alpha + at.omega.cross(&(moments * at.omega));
+                for i in 0..N {
+                    let by_i = &partial[i][k].2;
+                    forces[i] += by_i.velocity.dot(&force) + by_i.omega.dot(&moment);
+                    for j in 0..N {
+                        let by_j = &partial[j][k].2;
+                        inertia[(i, j)] += mass * by_i.velocity.dot(&by_j.velocity) + by_i.omega.dot(&(moments * by_j.omega));
+                    }
+                }
+            }
+            (inertia, forces)
+        }
+    };
+}
+
+/// The arm with its equations by hand.
+macro_rules! arm_by_hand {
+    () => {
+        bodies_by_hand!();
+        #[derive(Clone, Copy)]
+        pub struct Built {
+            m: [f64; 7],
+            tau: [f64; 7],
+            c: f64,
+            g: f64,
+        }
+        impl Default for Built {
+            fn default() -> Self {
+                Built { m: [4.1, 4.0, 3.0, 2.7, 1.7, 1.8, 0.3], tau: [0.0; 7], c: 0.5, g: 9.81 }
+            }
+        }
+        impl System<7> for Built {
+            type Scalar = f64;
+            fn accel(&self, q: &SVector<f64, 7>, qd: &SVector<f64, 7>, _: f64) -> SVector<f64, 7> {
+                let moments = [[0.03, 0.002, -0.001], [0.002, 0.04, 0.003], [-0.001, 0.003, 0.02]];
+                let (inertia, forces) = balance(self.g, qd, |qd, qdd| {
+                    let mut link = Axes::world();
+                    core::array::from_fn::<_, 7, _>(|i| {
+                        let axis = if i % 2 == 0 { [0.48, 0.6, 0.64] } else { [0.36, -0.8, 0.48] };
+                        link = link.at([0.02 * i as f64, 0.03, 0.2 + 0.01 * i as f64]).turned(axis, [q[i], qd[i], qdd[i]]);
+                        Body(self.m[i], moments, link.at([0.03, -0.02, 0.1]))
+                    })
+                });
+                let applied = SVector::from(self.tau) - qd * self.c - forces;
+                inertia.cholesky().map_or(SVector::repeat(f64::NAN), |inertia| inertia.solve(&applied))
+            }
+        }
+        const START: ([f64; 7], [f64; 7]) =
+            ([0.3, 0.4, 0.1, 1.1, 0.2, 0.6, 0.5], [0.1, -0.2, 0.3, 0.1, 0.4, -0.3, 0.2]);
+    };
+}
+
+/// The bicycle with its equations by hand.
+macro_rules! bicycle_by_hand {
+    () => {
+        bodies_by_hand!();
+        #[derive(Clone, Copy)]
+        pub struct Built {
+            g: f64,
+        }
+        impl Default for Built {
+            fn default() -> Self {
+                Built { g: 9.81 }
+            }
+        }
+        impl Built {
+            /// The rider, the handlebar, both wheels, and the fork at the axle of the front wheel.
+            fn bodies(q: &SVector<f64, 8>, qd: &SVector<f64, 8>, qdd: &SVector<f64, 8>) -> ([Body; 4], Axes) {
+                let joint = |i: usize| [q[i], qd[i], qdd[i]];
+                let mut base = Axes::world().at([q[0], q[1], 0.0]);
+                base.velocity = Vector3::new(qd[0], qd[1], 0.0);
+                base.acceleration = Vector3::new(qdd[0], qdd[1], 0.0);
+                let leaning = base.turned([0.0, 0.0, 1.0], joint(2)).turned([1.0, 0.0, 0.0], joint(3));
+                let hub = leaning.at([0.0, 0.0, 0.3]);
+                let frame = hub.turned([0.0, 1.0, 0.0], joint(4));
+                let head = frame.at([0.75, 0.0, 0.5]).turned([0.0, 1.0, 0.0], [-0.314159, 0.0, 0.0]);
+                let fork = head.turned([0.0, 0.0, 1.0], joint(5));
+                let axle = fork.at([0.06, 0.0, -0.55]);
+                let wheel = |i: f64| [[i, 0.0, 0.0], [0.0, 2.0 * i, 0.0], [0.0, 0.0, i]];
+                let bodies = [
+                    Body(85.0, [[9.2, 0.0, 2.4], [0.0, 11.0, 0.0], [2.4, 0.0, 2.8]], frame.at([0.3, 0.0, 0.6])),
+                    Body(4.0, [[0.06, 0.0, -0.008], [0.0, 0.06, 0.0], [-0.008, 0.0, 0.008]], fork.at([0.02, 0.0, -0.05])),
+                    Body(2.0, wheel(0.06), hub.turned([0.0, 1.0, 0.0], joint(6))),
+                    Body(3.0, wheel(0.14), axle.turned([0.0, 1.0, 0.0], joint(7))),
+                ];
+                (bodies, axle)
+            }
+
+            /// Second derivative of the contact of the front wheel, and the first ones of the four velocities of slip.
+            fn slips(q: &SVector<f64, 8>, qd: &SVector<f64, 8>, qdd: &SVector<f64, 8>) -> SVector<f64, 5> {
+                let (bodies, axle) = Self::bodies(q, qd, qdd);
+                let wheel = &bodies[3].2;
+                let normal = axle.turn * Vector3::new(0.0, 1.0, 0.0);
+                let rate = axle.omega.cross(&normal);
+                let second = axle.alpha.cross(&normal) + axle.omega.cross(&rate);
+                let slope = (1.0 - normal.z * normal.z).sqrt();
+                let steepening = -normal.z * rate.z / slope;
+                let steepening_rate =
+                    -(rate.z * rate.z + normal.z * second.z) / slope + normal.z * rate.z * steepening / (slope * slope);
+                let up = Vector3::new(0.0, 0.0, 1.0);
+                let down = (normal * normal.z - up) / slope;
+                let turning = (rate * normal.z + normal * rate.z - down * steepening) / slope;
+                let slip = axle.acceleration + (wheel.alpha.cross(&down) + wheel.omega.cross(&turning)) * 0.35;
+                let (s, c) = q[2].sin_cos();
+                SVector::from([
+                    axle.acceleration.z - 0.35 * steepening_rate,
+                    qdd[0] * c + qdd[1] * s + qd[2] * (qd[1] * c - qd[0] * s) - 0.3 * qdd[6],
+                    qdd[1] * c - qdd[0] * s - qd[2] * (qd[0] * c + qd[1] * s),
+                    slip.x,
+                    slip.y,
+                ])
+            }
+        }
+        impl System<8> for Built {
+            type Scalar = f64;
+            fn accel(&self, q: &SVector<f64, 8>, qd: &SVector<f64, 8>, _: f64) -> SVector<f64, 8> {
+                let (inertia, forces) = balance(self.g, qd, |qd, qdd| Self::bodies(q, qd, qdd).0);
+                let rest = Self::slips(q, qd, &SVector::zeros());
+                let mut matrix = SMatrix::<f64, 13, 13>::zeros();
+                matrix.fixed_view_mut::<8, 8>(0, 0).copy_from(&inertia);
+                for j in 0..8 {
+                    let column = Self::slips(q, qd, &SVector::ith(j, 1.0)) - rest;
+                    matrix.fixed_view_mut::<5, 1>(8, j).copy_from(&column);
+                    matrix.fixed_view_mut::<1, 5>(j, 8).copy_from(&column.transpose());
+                }
+                let mut right = SVector::<f64, 13>::zeros();
+                right.fixed_rows_mut::<8>(0).copy_from(&-forces);
+                right.fixed_rows_mut::<5>(8).copy_from(&-rest);
+                matrix.lu().solve(&right).map_or(SVector::repeat(f64::NAN), |solved| solved.fixed_rows::<8>(0).into())
+            }
+        }
+        const START: ([f64; 8], [f64; 8]) =
+            ([0.0, 0.0, 0.1, 0.05, 0.0, 0.02, 0.0, 0.0], [4.0, 0.4, 0.0, 0.1, 0.0, 0.05, 13.0, 11.0]);
+    };
+}
+
 macro_rules! double_pendulum {
     () => {
         lagrangian! {

@@ -3,6 +3,7 @@
 
 use super::{Comparison, Functions, Real, Scalar, real_case_of_parts};
 use core::cmp::Ordering;
+use core::fmt;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// `value + slope·ε` with `ε² = 0`. Put `Dual::variable(x)` into a parameter or a coordinate and read the derivative
@@ -13,7 +14,7 @@ use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAss
 /// let y = Dual::variable(0.5).sin();
 /// assert_eq!((y.value, y.slope), (0.5f64.sin(), 0.5f64.cos()));
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
     feature = "serde",
@@ -27,6 +28,13 @@ pub struct Dual<S> {
     pub value: S,
     /// The derivative.
     pub slope: S,
+}
+
+/// Prints `0.5 + 1.0 ε`.
+impl<S: fmt::Debug> fmt::Debug for Dual<S> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?} + {:?} ε", self.value, self.slope)
+    }
 }
 
 impl<S: Scalar> Dual<S> {

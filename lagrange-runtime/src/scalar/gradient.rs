@@ -4,6 +4,7 @@
 use super::{Comparison, Functions, Real, Scalar, real_case_of_parts};
 use crate::lanes::Work;
 use core::cmp::Ordering;
+use core::fmt;
 use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 
 /// `value + Σ slopes·ε` with `ε² = 0`, along D directions: by the start of a motion, or by parameters.
@@ -33,7 +34,7 @@ use core::ops::{Add, AddAssign, Div, DivAssign, Mul, MulAssign, Neg, Sub, SubAss
 /// assert!((by_k + 0.3 * 2f64.sin() / 4.0).abs() < 1e-14);
 /// # Ok::<(), Box<dyn core::error::Error>>(())
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 #[cfg_attr(
     feature = "serde",
@@ -48,6 +49,13 @@ pub struct Gradient<S, const D: usize> {
     /// The derivatives.
     #[cfg_attr(feature = "serde", serde(with = "crate::saved::array"))]
     pub slopes: [S; D],
+}
+
+/// Prints `0.5 + [1.0, 0.0] ε`.
+impl<S: fmt::Debug, const D: usize> fmt::Debug for Gradient<S, D> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:?} + {:?} ε", self.value, self.slopes)
+    }
 }
 
 impl<S: Scalar, const D: usize> Gradient<S, D> {

@@ -68,7 +68,7 @@ pub fn examined(
             other => sample(other, 0, 0),
         })
     };
-    let driven = m == n
+    let kinematic = m == n
         && (g.depends(&[&rows.values[..], &rows.rates].concat(), |s| s == Symbol::Time)
             || rest().iter().any(|rate| rate.abs() > 1e-12));
     let mut places: Vec<(Place, usize)> = Vec::new();
@@ -82,11 +82,11 @@ pub fn examined(
         let Some(place) = (Search { g, model, rows, trial }).place() else { continue };
         let Some(rank) = rank(place.iter()) else { continue };
         // An assembly that cannot move is none of a mechanism.
-        if rank < n || driven {
+        if rank < n || kinematic {
             places.push((place, rank));
         }
     }
-    if !driven {
+    if !kinematic {
         keep_movable(&mut places);
     }
     // The assembly with fewest freedoms is meant: in those of other ranks parts lie on each other.
@@ -96,7 +96,7 @@ pub fn examined(
         Some(most) if most < m => Some(most),
         Some(_) if !declared => return Ok(None),
         Some(_) if least < most => most,
-        None if m >= n && !declared && !driven => {
+        None if m >= n && !declared && !kinematic => {
             let message = format!(
                 "{m} constraints on {n} coordinates leave no motion to find\nhelp: use fewer constraints, or more coordinates; a drive is a function of time, `coord a = w * t;`; of a mechanism that moves for special values of its parameters, write `redundant constraint {}: …`",
                 constraints[n - 1].name
