@@ -115,6 +115,40 @@ fn a_search_that_is_left_goes_on_at_the_event() {
     assert!(ball.state().q[0].abs() < 1e-9);
 }
 
+/// A search whose work is bounded meets the same events at the same times, whatever the bound.
+#[test]
+fn pieces_of_a_few_steps_lose_none() {
+    let ball = || Stepper::new(Ball::default(), Rk4, FixedStep::new(0.01), State::new(0.0, [1.0], [3.0]));
+    let events = (Ball::APEX, Ball::GROUND);
+    let at_once: Vec<_> =
+        ball().until(5.0).events(events).map(|met| met.unwrap()).map(|met| (met.name, met.state)).collect();
+    assert_eq!(at_once.len(), 2);
+    for attempts in [1, 2, 3, 7, 1000] {
+        let (mut ball, mut met, mut calls) = (ball(), vec![], 0);
+        while met.last().is_none_or(|(name, _)| *name != "ground") {
+            calls += 1;
+            assert!(calls < 1000, "{attempts}");
+            met.extend(
+                ball.until(5.0)
+                    .within(attempts)
+                    .events(events)
+                    .map(|met| met.unwrap())
+                    .map(|met| (met.name, met.state)),
+            );
+        }
+        // (A landing may begin at another estimate: it agrees to rounding.)
+        assert_eq!(met.len(), at_once.len(), "{attempts}: {met:?}");
+        for ((name, at), (known, expected)) in met.iter().zip(&at_once) {
+            assert_eq!(name, known, "{attempts}");
+            assert!((at.t - expected.t).abs() < 1e-14, "{attempts}: {at:?}, {expected:?}");
+            assert!((at.qd - expected.qd).amax() < 1e-14, "{attempts}: {at:?}, {expected:?}");
+        }
+    }
+    let mut idle = ball();
+    assert!(idle.until(1.0).within(0).events(events).next().is_none());
+    assert_eq!(idle.state().t, 0.0);
+}
+
 /// A loop over `next` meets what one search meets, at the same times.
 #[test]
 fn events_one_by_one_are_those_of_one_search() {

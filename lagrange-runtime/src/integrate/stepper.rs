@@ -388,7 +388,7 @@ where
     /// ```
     pub fn until(&mut self, t: Sys::Scalar) -> Stretch<'_, Sys, M, C, N, U> {
         self.allow(self.max_steps);
-        Stretch { stepper: self, end: t, failure: None, step_end: None }
+        Stretch { stepper: self, end: t, is_bounded: false, failure: None, step_end: None }
     }
 
     fn allow(&mut self, attempts: Option<u64>) {
@@ -550,6 +550,8 @@ where
 pub struct Stretch<'a, Sys: System<N>, M: Method<Sys, N>, C, const N: usize, U = ()> {
     stepper: &'a mut Stepper<Sys, M, C, N, U>,
     end: Sys::Scalar,
+    /// Is it no failure that the attempts are used up?
+    is_bounded: bool,
     failure: Option<Failure<Sys::Scalar>>,
     /// The end of the step in which the stepper is at an event that others may follow.
     step_end: Option<StepEnd<Sys, M, N>>,
@@ -565,6 +567,42 @@ where
 {
     fn is_over(&self) -> bool {
         coincide(self.end, self.stepper.made_at(), self.stepper.control.scale())
+    }
+
+    /// Makes at most `attempts` steps, accepted or not, for programs with a deadline. It ends early without a failure:
+    /// the time of the stepper's state says how far it came, and the same call continues. It meets each event once,
+    /// where one call would have met it, to rounding.
+    ///
+    /// ```
+    /// use lagrange_runtime::prelude::*;
+    /// lagrangian! {
+    ///     pub system Ball {
+    ///         param g = 9.81;
+    ///         coord y;
+    ///         T = 0.5 * dot(y).powi(2);
+    ///         V = g * y;
+    ///         event ground: y, falling, terminal;
+    ///     }
+    /// }
+    /// let start = State::new(0.0, [1.0], [0.0]);
+    /// let mut ball = Stepper::new(Ball::new(), Rk4, FixedStep::new(1e-3), start);
+    /// let mut calls = 0;
+    /// let landing = loop {
+    ///     calls += 1;
+    ///     match ball.until(1.0).within(100).events(Ball::GROUND).next() {
+    ///         Some(event) => break Some(event?),
+    ///         None if ball.state().t < 1.0 => continue,
+    ///         None => break None,
+    ///     }
+    /// };
+    /// assert_eq!(calls, 5);
+    /// assert!((landing.expect("a fall").state.t - (2.0f64 / 9.81).sqrt()).abs() < 1e-12);
+    /// # Ok::<(), Failure>(())
+    /// ```
+    pub fn within(mut self, attempts: u64) -> Self {
+        self.stepper.allow(Some(attempts));
+        self.is_bounded = true;
+        self
     }
 
     /// The states at the given times, as [`Run::sample`](super::Run::sample). The stepper is left at the end of the
@@ -669,6 +707,11 @@ where
             Ok(false) => self.stepper.go::<false>(Some(self.end)),
             Err(failure) => Err(failure),
         };
+        if let Err(Failure::BudgetUsedUp { .. }) = step
+            && self.is_bounded
+        {
+            return None;
+        }
         self.failure = step.as_ref().err().copied();
         Some(step)
     }
