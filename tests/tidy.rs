@@ -702,7 +702,7 @@ fn functions_of_the_compiler_are_short() {
                 continue;
             }
             let is_end = |line: &&str| line.strip_prefix(indent).is_some_and(|rest| rest == "}");
-            let length = lines[first..].iter().position(|line| is_end(&line)).expect("an end") + 1;
+            let length = lines[first..].iter().position(is_end).expect("an end") + 1;
             seen += 1;
             if length > MAX_LINES {
                 long.push(format!("{name}:{}: {length} lines", first + 1));
