@@ -23,11 +23,12 @@ struct Group {
 }
 
 /// Roles whose name a formula may say.
-const VALUES: [&str; 15] = [
+const VALUES: [&str; 16] = [
     "param",
     "param array",
     "param default",
     "input",
+    "input array",
     "coord",
     "coord array",
     "prescribed",
@@ -139,6 +140,15 @@ pub fn is_taken(name: &str, template: &str) -> bool {
             |taken: &String| taken == name || g.says.contains("CONSTANT") && *taken == name.to_lowercase();
         g.names.iter().any(is)
     })
+}
+
+/// A new role belongs to one of the lists, whatever the samples of the other tests.
+#[test]
+fn every_role_is_of_values_or_outputs() {
+    for (role, _) in ROLES {
+        let is_other = ["event", "system", "argument", "closure"].contains(&role);
+        assert!(is_other || VALUES.contains(&role) || OUTPUTS.contains(&role), "{role}");
+    }
 }
 
 /// Each name is refused with the message of its row, in one of the roles, and the first one in all of them.
