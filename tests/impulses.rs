@@ -118,6 +118,27 @@ lagrangian! {
     }
 }
 
+lagrangian! {
+    /// A mass on a ring of springs, and a torsional spring that acts on the angle to it.
+    system Torsion {
+        param k = 0.5, off = 1.0;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = 50 * (hypot(x, y) - 1).powi(2) + 0.5 * k * (atan2(y, x) - off).powi(2);
+    }
+}
+
+lagrangian! {
+    /// A base that moves as a saw.
+    system Saw {
+        param a = 0.5;
+        coord x;
+        coord p = a * atan2(sin(3 * t), cos(3 * t));
+        T = 0.5 * (dot(x) + dot(p)).powi(2);
+        V = 0.5 * x.powi(2);
+    }
+}
+
 /// Calls a macro with methods of all families.
 macro_rules! with_methods {
     ($case:ident) => {
@@ -180,6 +201,40 @@ fn runs_across_an_impulse_fail() {
         };
     }
     with_methods!(fails);
+}
+
+/// The principal value of an angle jumps on one side of the origin, and on the other side nothing does.
+#[test]
+fn angles_have_a_cut() {
+    let torsion = Torsion::default();
+    macro_rules! cuts {
+        ($method:expr, $control:expr) => {
+            let name = stringify!($method);
+            let left = State::new(0.0, [0.0, 1.0], [-1.5, 0.0]);
+            let t = impulse(integrate(&torsion, $method, $control, left).until(3.0).final_state());
+            assert!((t - 1.6238).abs() < 0.13, "{name}: {t}");
+            let saw = State::new(0.1, [0.3], [0.0]);
+            let t = impulse(integrate(&Saw::default(), $method, $control, saw).until(3.0).final_state());
+            assert!((t - core::f64::consts::PI / 3.0).abs() < 0.13, "{name}: {t}");
+        };
+    }
+    with_methods!(cuts);
+    macro_rules! goes_on {
+        ($method:expr, $control:expr, $within:expr) => {
+            let right = State::new(0.0, [1.0, 0.5], [0.0, -1.0]);
+            let end = integrate(&torsion, $method, $control, right).until(3.0).final_state().unwrap();
+            // DOP853 of SciPy, rtol = 3e-14.
+            let expected = [1.07755417, 0.10587988, 0.82551944, 0.87410309];
+            let found = [end.q[0], end.q[1], end.qd[0], end.qd[1]];
+            for (found, expected) in found.into_iter().zip(expected) {
+                assert!((found - expected).abs() < $within, "{}: {found} {expected}", stringify!($method));
+            }
+        };
+    }
+    goes_on!(Dop853, PiController::tolerance(1e-11), 1e-8);
+    goes_on!(Taylor, TaylorController::tolerance(1e-14), 1e-8);
+    goes_on!(Radau5, PiController::tolerance(1e-10), 1e-6);
+    goes_on!(Rk4, FixedStep::new(0.01), 1e-4);
 }
 
 /// A potential step narrower than the steps of the motion.
@@ -314,6 +369,33 @@ fn lanes_fail_as_alone() {
                 }
             }
             assert_eq!((outcome.failures.count, good.next()), (6, None));
+        };
+    }
+    same!(Dop853, PiController::tolerance(1e-9));
+    same!(Rk4, FixedStep::new(0.07));
+    same!(Taylor, TaylorController::tolerance(1e-12));
+}
+
+/// Some lanes cross the ray on the side of the cut, and some on the other one.
+#[test]
+fn lanes_know_the_side_of_a_cut() {
+    let draw = |[number]: [u64; 1]| {
+        let side = if number % 3 == 0 { -1.0 } else { 1.0 };
+        (Torsion::default(), State::new(0.0, [side, 0.5], [0.0, -1.0 - 0.01 * number as f64]))
+    };
+    let samples = Table::new((0..12).map(|number: u64| [number]));
+    macro_rules! same {
+        ($method:expr, $control:expr) => {
+            let lanes =
+                || Ensemble::new(samples.clone(), 12, draw).integrate($method, $control, 1.0).in_lanes(Fused);
+            let end = FinalState(|_: &Torsion, end: &State<f64, 2>| end.q[0].to_bits());
+            let outcome = lanes().observe(&end, Collect).unwrap();
+            let failed: Vec<u64> = outcome.failures.kept.iter().map(|failed| failed.index).collect();
+            assert_eq!(failed, [0, 3, 6, 9]);
+            for (index, bits) in &outcome.statistic.rows {
+                let alone = lanes().replay(*index).unwrap().run().final_state().unwrap();
+                assert_eq!(alone.q[0].value().to_bits(), *bits, "{index}");
+            }
         };
     }
     same!(Dop853, PiController::tolerance(1e-9));

@@ -376,8 +376,10 @@ impl Emitter<'_> {
         if count == 0 {
             return None;
         }
-        let (statements, outputs) = self.statements(&switches.concat());
+        let values: Vec<Value> = switches.iter().flat_map(|(both, _)| *both).collect();
+        let (statements, outputs) = self.statements(&values);
         let values = outputs.columns(0..2 * count, 2);
+        let cuts = self.cuts();
         let places: Vec<usize> = (0..count).collect();
         let impulses = self.d.equations.impulses.switches.len();
         let impulses = (impulses > 0).then(|| quote!(const IMPULSES: usize = #impulses;));
@@ -395,6 +397,35 @@ impl Emitter<'_> {
                 #statements
                 let found: [[S; 2]; #count] = #values;
                 #(each(#places, found[#places]);)*
+            }
+            #cuts
+        })
+    }
+
+    /// Where the switching functions decide anything, if not everywhere.
+    fn cuts(&self) -> Option<TokenStream> {
+        let (runtime, n) = (&self.d.model.runtime, self.n());
+        let switches = self.d.equations.responses.switches.iter().enumerate();
+        let (places, cuts): (Vec<usize>, Vec<Value>) =
+            switches.filter_map(|(i, (_, cut))| Some((i, (*cut)?))).unzip();
+        if cuts.is_empty() {
+            return None;
+        }
+        let (statements, outputs) = self.statements(&cuts);
+        let values = outputs.columns(0..cuts.len(), 1);
+        let indices = 0..cuts.len();
+        Some(quote! {
+            fn decides(&self, switch: usize, at: &#runtime::State<S, #n>) -> bool
+            where
+                S: #runtime::Real,
+            {
+                let (q, qd, t) = (&at.q, &at.qd, at.t);
+                #statements
+                let found = #values;
+                match switch {
+                    #(#places => #runtime::Real::to_f64(found[#indices][0]) < 0.0,)*
+                    _ => true,
+                }
             }
         })
     }

@@ -91,7 +91,7 @@ pub fn equations(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Eq
     let series = if formed.rows.redundancy.is_some() {
         None
     } else {
-        series(g, model, &formed, &solved, &quantities, &facts, &impulses.switches)
+        series(g, model, &formed, &solved, &quantities, &facts, &impulses.values())
     };
     let events = events(g, model, &formed, &solved);
     let symmetries = symmetries(g, model, &formed);

@@ -295,7 +295,7 @@ pub const TRAITS: &[Trait] = &[
     of_trait("Debug", &[], &["fmt"]),
     of_trait("PartialEq", &[], &["eq", "ne"]),
     of_trait("Default", &[], &["default"]),
-    of_trait("System", N, &["restored", "resolved", "explained", "saltated", "shortened", "switches", "kinked", "constraint_terms", "toward_constraints", "independence", "determined", "differentiable", "begun_across", "restored_across", "accel_across", "accel_at"]),
+    of_trait("System", N, &["restored", "resolved", "explained", "saltated", "shortened", "switches", "decides", "kinked", "constraint_terms", "toward_constraints", "independence", "determined", "differentiable", "begun_across", "restored_across", "accel_across", "accel_at"]),
     of_trait("Precompute", N, &["constants", "accel_with", "accel_inlined", "precomputed"]),
     of_trait("Rescale", N, &["over", "set_lane"]),
     of_trait("Lagrangian", N, &[

@@ -2,7 +2,7 @@
 
 use crate::failure::debug_is_text;
 use crate::linear::lu;
-use crate::scalar::{Scalar, SimdScalar};
+use crate::scalar::{Real, Scalar, SimdScalar};
 use crate::state::{State, constant};
 use crate::system::{Independent, System};
 use core::fmt;
@@ -196,6 +196,7 @@ where
     const AUTONOMOUS: bool = Sys::AUTONOMOUS;
     const ATTITUDES: &'static [usize] = Sys::ATTITUDES;
     const SWITCHES: usize = Sys::SWITCHES;
+    const IMPULSES: usize = Sys::IMPULSES;
 
     fn accel(
         &self,
@@ -238,5 +239,12 @@ where
         let mut seen = *accelerations;
         (0..K).for_each(|k| seen[self.indices[k]] *= self.weights[k]);
         self.system.switches(&self.seen(at), &seen, each);
+    }
+
+    fn decides(&self, switch: usize, at: &State<Self::Scalar, N>) -> bool
+    where
+        Self::Scalar: Real,
+    {
+        self.system.decides(switch, &self.seen(at))
     }
 }

@@ -209,7 +209,8 @@ pub trait System<const N: usize> {
     const SWITCHES: usize = 0;
 
     /// Number of switching functions at which an impulse acts, the first of all: across them a momentum ∂L/∂q̇ jumps,
-    /// or L does along a coordinate. Runs end there in [`Failure::UnknownImpulse`].
+    /// or L does along a coordinate. Runs end there in [`Failure::UnknownImpulse`], where the function
+    /// [decides](Self::decides).
     const IMPULSES: usize = 0;
 
     /// The name of a function with data that has kinks, and on whose slope a momentum ∂L/∂q̇ depends. Runs of such a
@@ -231,6 +232,17 @@ pub trait System<const N: usize> {
         each: impl FnMut(usize, [Self::Scalar; 2]),
     ) {
         let _ = (at, accelerations, each);
+    }
+
+    /// Does the switching function with this index decide anything where it vanishes at this state? That of
+    /// `atan2(y, x)` is y, and the function jumps only where x is negative. Each one does everywhere by default.
+    #[inline(always)]
+    fn decides(&self, switch: usize, at: &State<Self::Scalar, N>) -> bool
+    where
+        Self::Scalar: Real,
+    {
+        let _ = (switch, at);
+        true
     }
 
     /// The velocities at `to`, the end of a step from `from` across a switch that was so short that it changes them
@@ -630,6 +642,14 @@ macro_rules! pass_on_run {
             each: impl FnMut(usize, [Self::Scalar; 2]),
         ) {
             self.$field.switches(at, accelerations, each);
+        }
+
+        #[inline(always)]
+        fn decides(&self, switch: usize, at: &$crate::State<Self::Scalar, N>) -> bool
+        where
+            Self::Scalar: $crate::Real,
+        {
+            self.$field.decides(switch, at)
         }
 
         fn saltated(

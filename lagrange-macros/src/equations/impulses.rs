@@ -8,7 +8,7 @@
 use super::assemble::flattened;
 use super::check::{TRIALS, sample};
 use super::formed::Formed;
-use super::series::switches::{choices, switching};
+use super::series::switches::{Switch, choices, cut, switching};
 use crate::diagnostics::Errors;
 use crate::graph::{Function, Graph, Node, Symbol, Value};
 use crate::model::Model;
@@ -29,11 +29,17 @@ const ROUNDED: f64 = 1e-8;
 /// Places at which impulses act.
 pub struct Impulses {
     /// The switching functions that vanish there.
-    pub switches: Vec<Value>,
+    pub switches: Vec<Switch>,
     /// Functions with data, by their places, on whose slopes momenta depend: there, where these have kinks.
     pub slopes: Vec<usize>,
     /// Positions of which velocities are taken, in terms of q and t, if they have choices.
     pub positions: Vec<Value>,
+}
+
+impl Impulses {
+    pub fn values(&self) -> Vec<Value> {
+        self.switches.iter().map(|switch| switch.value).collect()
+    }
 }
 
 /// A jump, by which an impulse acts.
@@ -59,13 +65,18 @@ pub fn impulses(g: &mut Graph, model: &Model, formed: &Formed, errors: &mut Erro
     let choices: Vec<_> = choices.collect();
     let literals = literals(g, &choices.iter().flat_map(|(_, choices)| choices.clone()).collect::<Vec<_>>());
     let found = choices.iter().filter_map(|choice| {
-        let jump = jump(g, &values, choice, &literals, model.mechanical())?;
-        Some((choice.0, jump))
+        let cut = cut(g, &choice.1);
+        let jump = jump(g, &values, choice, cut.is_some(), &literals, model.mechanical())?;
+        Some((Switch { value: choice.0, cut }, jump))
     });
-    let found: Vec<(Value, Jump)> = found.collect();
+    let found: Vec<(Switch, Jump)> = found.collect();
     let derived = model.origin.is_some() || model.reduction.is_some();
     let mut told: Vec<&Ident> = Vec::new();
-    for (_, jump) in found.iter().filter(|_| !derived) {
+    // (A motion may stay away from a cut, and most do: only a prescribed one has its way.)
+    let is_told = |(switch, jump): &&(Switch, Jump)| {
+        !derived && (switch.cut.is_none() || matches!(jump, Jump::Position))
+    };
+    for (_, jump) in found.iter().filter(is_told) {
         let (keyword, what) = match jump {
             Jump::Momentum(i) => {
                 (&model.keywords.kinetic, format!("the momentum of `{}`", model.coordinates[*i].label()))
@@ -133,11 +144,13 @@ fn is_continuous(g: &mut Graph, switch: Value, choice: Value) -> bool {
 }
 
 /// The first of the momenta, the positions, and then L, that jumps where this switching function vanishes, by the
-/// choices that it decides.
+/// choices that it decides. A position that jumps by the turn of an angle, at a cut, has the same velocity on both
+/// sides; of one that is prescribed nobody knows whether it is an angle.
 fn jump(
     g: &Graph,
     values: &[Value],
     (switch, choices): &(Value, Vec<Value>),
+    is_cut: bool,
     literals: &[f64],
     mechanical: usize,
 ) -> Option<Jump> {
@@ -147,7 +160,11 @@ fn jump(
     moving.iter().enumerate().find_map(|(number, &symbol)| {
         // (L may change with time, and with a state that is no position.)
         let is_position = matches!(symbol, Symbol::Coordinate(i) if i < mechanical);
-        let values = if is_position { values } else { &values[..all - 1] };
+        let jumps = |which: usize| match which {
+            _ if which < mechanical => Some(Jump::Momentum(which)),
+            _ if which < all - 1 => (!is_cut || symbol == Symbol::Time).then_some(Jump::Position),
+            _ => is_position.then_some(Jump::Lagrangian),
+        };
         // Later places are shared among the symbols.
         let shared = |trial: &u64| *trial < TRIALS || *trial as usize % moving.len() == number;
         (0..PLACES).filter(shared).find_map(|trial| {
@@ -157,23 +174,19 @@ fn jump(
             let roots = roots(|x| at(&[*switch], x)[0], literals);
             roots.into_iter().find_map(|root| {
                 // The choices are few nodes; what depends on them may be many.
-                first_jump(choices.len(), root, |x| at(choices, x))?;
-                Some(match first_jump(values.len(), root, |x| at(values, x))? {
-                    which if which < mechanical => Jump::Momentum(which),
-                    which if which < all - 1 => Jump::Position,
-                    _ => Jump::Lagrangian,
-                })
+                jumping(choices.len(), root, |x| at(choices, x)).next()?;
+                jumping(all, root, |x| at(values, x)).find_map(jumps)
             })
         })
     })
 }
 
-/// The first of so many values that jumps at a root: by more, within 1e-9 of the root, than it changes on either side,
-/// and than rounded coefficients make of it.
-fn first_jump(count: usize, root: f64, at: impl Fn(f64) -> Vec<f64>) -> Option<usize> {
+/// Those of so many values that jump at a root: by more, within 1e-9 of the root, than they change on either side, and
+/// than rounded coefficients make of it.
+fn jumping(count: usize, root: f64, at: impl Fn(f64) -> Vec<f64>) -> impl Iterator<Item = usize> {
     let d = 1e-9 * if root == 0.0 { 1.0 } else { root.abs() };
     let [before, below, above, after] = [-3.0, -1.0, 1.0, 3.0].map(|parts| at(root + parts * d));
-    (0..count).find(|&i| {
+    (0..count).filter(move |&i| {
         let (jump, size) = ((above[i] - below[i]).abs(), above[i].abs().max(below[i].abs()));
         let beside = (below[i] - before[i]).abs().max((after[i] - above[i]).abs());
         jump > 100.0 * beside && jump > ROUNDED * size
@@ -225,10 +238,11 @@ fn place(symbol: Symbol, trial: u64, literals: &[f64]) -> f64 {
 
 /// Places at which a function changes its sign: that of a straight line, or those in a range of any size.
 fn roots(f: impl Fn(f64) -> f64, literals: &[f64]) -> Vec<f64> {
-    let [start, next] = [0.0, 1.0].map(&f);
+    let [start, next, third] = [0.0, 1.0, 2.0].map(&f);
     let straight = start / (start - next);
     let beside = 1e-6 * straight.abs().max(1.0);
-    if (f(straight - beside) < 0.0) != (f(straight + beside) < 0.0)
+    if (third - 2.0 * next + start).abs() <= 1e-9 * (next - start).abs()
+        && (f(straight - beside) < 0.0) != (f(straight + beside) < 0.0)
         && f(straight).abs() <= 1e-12 * start.abs()
     {
         return vec![straight];

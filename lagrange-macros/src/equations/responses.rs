@@ -4,7 +4,7 @@ use super::common::{in_time, inner, symbols};
 use super::elimination::Solver;
 use super::formed::Formed;
 use super::quantities::Quantities;
-use super::series::switches::switching;
+use super::series::switches::{Switch, choices, cut};
 use super::solve::entry;
 use super::solved::Solved;
 use super::structure::Facts;
@@ -26,8 +26,8 @@ pub struct Responses {
     /// ∂(b − f)/∂(q, q̇), by columns, from which the equations of small motions are made.
     pub linearization: Option<Vec<Vec<Value>>>,
     /// Switching functions at which impulses act, then those of the accelerations, each with its rate in terms of q,
-    /// q̇, t and given accelerations.
-    pub switches: Vec<[Value; 2]>,
+    /// q̇, t and given accelerations, and the function that is negative where it decides anything, if there is one.
+    pub switches: Vec<([Value; 2], Option<Value>)>,
     /// ∂q̈/∂u, by columns.
     pub by_inputs: Option<Vec<Vec<Value>>>,
 }
@@ -45,7 +45,7 @@ pub fn responses(
     solved: &Solved,
     quantities: &Quantities,
     facts: &Facts,
-    impulses: &[Value],
+    impulses: &[Switch],
 ) -> Option<Responses> {
     let Quantities { momenta, bias, force, .. } = quantities;
     let free = formed.rows.is_empty();
@@ -147,17 +147,29 @@ fn state(n: usize) -> impl Iterator<Item = Symbol> {
 
 /// Switching functions at which impulses act, then those of the equations of motion or of the accelerations, and their
 /// rates under accelerations that are given.
-fn switches(g: &mut Graph, impulses: &[Value], equations: &[Value], n: usize) -> Vec<[Value; 2]> {
-    let others = switching(g, equations).into_iter().filter(|v| !impulses.contains(v));
-    let values: Vec<Value> = impulses.iter().copied().chain(others).collect();
-    if values.is_empty() {
+fn switches(
+    g: &mut Graph,
+    impulses: &[Switch],
+    equations: &[Value],
+    n: usize,
+) -> Vec<([Value; 2], Option<Value>)> {
+    let mut all: Vec<(Value, Option<Value>)> = impulses.iter().map(|of| (of.value, of.cut)).collect();
+    for (value, decided) in choices(g, equations) {
+        let cut = cut(g, &decided);
+        // (The forces may have a kink where the momenta have none.)
+        if !all.iter().any(|of| of.0 == value && (of.1.is_none() || of.1 == cut)) {
+            all.push((value, cut));
+        }
+    }
+    if all.is_empty() {
         return Vec::new();
     }
+    let values: Vec<Value> = all.iter().map(|of| of.0).collect();
     let [velocities, accelerations] = [Symbol::Velocity, Symbol::Given].map(|symbol| symbols(g, symbol, n));
     let along = in_time(&velocities);
     let rates = g.forward(&values, |symbol| match symbol {
         Symbol::Velocity(i) => Some(accelerations[i]),
         other => along(other),
     });
-    values.into_iter().zip(rates).map(|(value, rate)| [value, rate]).collect()
+    all.into_iter().zip(rates).map(|((value, cut), rate)| ([value, rate], cut)).collect()
 }

@@ -43,7 +43,7 @@ use super::quantities::Quantities;
 use super::solve::Symmetric;
 use super::solved::Solved;
 use super::structure::Facts;
-use crate::graph::{Function, Graph, Node, Symbol, Value};
+use crate::graph::{Graph, Symbol, Value};
 use crate::model::Model;
 use crate::program::Program;
 use accelerations::Accelerations;
@@ -163,7 +163,9 @@ fn forms(g: &mut Graph, known: &Known) -> (Vec<Candidate>, Vec<Value>) {
     let Known { formed, solved: Solved { inertia, right, accel, .. }, impulses, .. } = known;
     let n = accel.len();
     // The equations at the bindings were the shortest in every system of so many coordinates that was counted.
-    let at_bindings = n > MAX_EXPANDED_COORDINATES && bindings::are_offered(known) && !jumps(g, accel);
+    let at_bindings = n > MAX_EXPANDED_COORDINATES
+        && bindings::are_offered(known)
+        && switches::switching(g, accel).is_empty();
     let solution = if at_bindings { None } else { solution(g, known) };
     let (matrix, right) = formed.rows.border(inertia, right);
     let entries: Vec<Value> = matrix.iter().flatten().copied().collect();
@@ -221,13 +223,6 @@ fn forms(g: &mut Graph, known: &Known) -> (Vec<Candidate>, Vec<Value>) {
     forms.extend(bindings);
     let written = forms.into_iter().map(|form| (form.name().into(), Rc::clone(&form), form.values()));
     (written.chain(all).collect(), switches)
-}
-
-/// Do these have switches, at which they jump or have kinks?
-fn jumps(g: &Graph, values: &[Value]) -> bool {
-    let jumps =
-        |id| matches!(g.node(id), Node::Call(Function::abs | Function::signum, ..) | Node::Select(..));
-    g.live(values).into_iter().any(jumps)
 }
 
 /// Solution of M x = given, M bordered, as for the accelerations; none of a matrix so large that it would be long.

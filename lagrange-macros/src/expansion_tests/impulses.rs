@@ -80,3 +80,38 @@ fn forces_that_jump_have_none() {
         assert_eq!(impulses(&format!("{T} V = {potential};")), 0, "{potential}");
     }
 }
+
+/// Cuts of an angle at which the potential jumps, or a prescribed position, and those at which nothing does.
+#[test]
+fn cuts_are_found() {
+    for (statements, count) in [
+        // The angle of a torsional spring, however it is written.
+        ("V = hypot(x, y) + k * (atan2(y, x) - 1).powi(2);", 1),
+        ("let phi = atan2(y, x); V = hypot(x, y) + k * (phi - 1).powi(2);", 1),
+        ("V = k * (atan(y / x) - 1).powi(2);", 1),
+        ("V = k * atan2(y, cos(x)).powi(3);", 1),
+        ("V = k * tanh(y / (x - 3));", 1),
+        ("V = atan2(x, -2);", 1),
+        // A rail that is moved as a saw.
+        (
+            "coord p = e * atan2(sin(3 * t), cos(3 * t)); T = (dot(x) + dot(p)).powi(2) + dot(y).powi(2); V = x * x;",
+            1,
+        ),
+        // Equal energies on both sides, whole turns, and angles that stay away from the cut.
+        ("V = k * atan2(y, x).powi(2);", 0),
+        ("let phi = atan2(y, x); V = x * cos(phi) - y * sin(2 * phi);", 0),
+        ("V = k * atan2(y, 1).powi(2) + k * atan2(x, exp(y)).powi(2) + k * atan2(x, 2 + y * y).powi(2);", 0),
+        ("V = k * atan(y / (1 + x * x)).powi(2) + k * asin(sin(x)) + k * tanh(y / e);", 0),
+        ("V = k * atan2(abs(y), x).powi(2);", 0),
+    ] {
+        let kinetic = if statements.contains("T =") { "" } else { T };
+        assert_eq!(impulses(&format!("{kinetic} {statements}")), count, "{statements}");
+    }
+    // The velocity of an angle goes on.
+    let angle =
+        "let phi = atan2(y, x); T = dot(x).powi(2) + dot(y).powi(2) + dot(phi).powi(2); V = hypot(x, y);";
+    assert_eq!(impulses(angle), 0);
+    // A momentum that depends on the angle does not.
+    let momentum = "T = dot(x).powi(2) + (2 + atan2(y, x)) * dot(y).powi(2); V = 0;";
+    assert_eq!(impulses(momentum), 1);
+}

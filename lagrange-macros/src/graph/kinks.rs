@@ -70,7 +70,7 @@ impl Graph {
     }
 
     /// Can it be read off that this is 0 or more: a magnitude, an even power, or a sum of such?
-    fn is_never_negative(&self, id: Id) -> bool {
+    pub fn is_never_negative(&self, id: Id) -> bool {
         let mut stack = vec![Value::from(id)];
         for _ in 0..MAX_TERMS {
             let Some(term) = stack.pop() else { return true };

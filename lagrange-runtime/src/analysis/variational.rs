@@ -60,6 +60,7 @@ impl<S: Scalar, Sys: Lagrangian<N, Scalar = S> + Rescale<N>, const N: usize, con
 
     const AUTONOMOUS: bool = Sys::AUTONOMOUS;
     const SWITCHES: usize = Sys::SWITCHES;
+    const IMPULSES: usize = Sys::IMPULSES;
     const ATTITUDES: &'static [usize] = Sys::ATTITUDES;
 
     fn shortened(&self, at: &State<S, T>, equal: Option<S>) -> Option<State<S, T>>
@@ -85,6 +86,13 @@ impl<S: Scalar, Sys: Lagrangian<N, Scalar = S> + Rescale<N>, const N: usize, con
 
     fn switches(&self, at: &State<S, T>, accelerations: &SVector<S, T>, each: impl FnMut(usize, [S; 2])) {
         self.system.switches(&part(at, 0), &coordinates(accelerations, 0), each);
+    }
+
+    fn decides(&self, switch: usize, at: &State<S, T>) -> bool
+    where
+        S: Real,
+    {
+        self.system.decides(switch, &part(at, 0))
     }
 
     /// Saltation of each deviation: switching functions over dual numbers have its slope.

@@ -478,8 +478,15 @@ pub(super) fn needs_impulse<Sys: System<N>, const N: usize>(
 where
     Sys::Scalar: Real,
 {
-    let crosses = |a: f64, b: f64| a < 0.0 && b >= 0.0 || a > 0.0 && b <= 0.0;
-    changed(system, from, to, crosses).is_some_and(|switch| switch < Sys::IMPULSES)
+    let rest = SVector::repeat(Scalar::zero());
+    (0..Sys::IMPULSES).any(|switch| {
+        let [a, b] = [from, to].map(|at| evaluated(system, at, &rest, switch)[0][0]);
+        (a < 0.0 && b >= 0.0 || a > 0.0 && b <= 0.0) && {
+            let part = Scalar::from_f64(a / (a - b));
+            let (dt, by) = (to.t - from.t, to.minus(from));
+            system.decides(switch, &from.moved(dt.mul_add(part, from.t), part, &by))
+        }
+    })
 }
 
 /// The start of a motion that begins within rounding of a switch at which an impulse acts, moved to the side that its
@@ -496,6 +503,9 @@ where
     let rest = SVector::repeat(Scalar::zero());
     (0..Sys::IMPULSES).fold(*start, |at, switch| {
         let [g, rate] = evaluated(system, &at, &rest, switch)[0];
+        if !system.decides(switch, &at) {
+            return at;
+        }
         let rounding = shortest(at.t.to_f64(), 0.0, Sys::Scalar::EPSILON);
         let time = rounding.max(blurred(system, &at, &rest, switch));
         let time = if g == 0.0 { time.max(Sys::Scalar::EPSILON) } else { time };
@@ -585,7 +595,8 @@ where
                 }
                 values[switch - begin][0]
             };
-            if let Some(x) = Crossings::new(grid, step.resolution(), g).next()
+            let mut crossings = Crossings::new(grid, step.resolution(), g);
+            if let Some(x) = crossings.find(|x| system.decides(switch, &step.at(*x)))
                 && first.is_none_or(|(_, earlier)| x < earlier)
             {
                 first = Some((switch, x));

@@ -8,6 +8,13 @@
 use crate::equations::common::is_number;
 use crate::graph::{Comparison, Function, Graph, Id, Node, Symbol, Value};
 
+/// A function at whose sign changes values jump or have kinks.
+pub struct Switch {
+    pub value: Value,
+    /// The function that is negative where it decides anything, if it does not everywhere.
+    pub cut: Option<Value>,
+}
+
 /// Expressions on one side of each switch, and the switching functions, which are nodes that move, with these `others`.
 pub fn sided(g: &mut Graph, roots: &[Value], others: &[Value]) -> (Vec<Value>, Vec<Value>) {
     let mut switches: Vec<Id> = Vec::new();
@@ -38,6 +45,13 @@ pub fn sided(g: &mut Graph, roots: &[Value], others: &[Value]) -> (Vec<Value>, V
             let difference = g.sub(a, b);
             let sign = sign(g, &mut switches, difference)?;
             Some(g.select(*comparison, sign, Value::ZERO, yes, no))
+        }
+        // The same function on both sides, whose series goes on as if there were no jump.
+        Node::Call(f @ (Function::atan2 | Function::atan | Function::tanh), x, other) => {
+            let [x, other] = [x, other].map(|v| of(*v));
+            let cut = branch(g, *f, x, other)?;
+            sign(g, &mut switches, cut)?;
+            None
         }
         // A root of max(x, 0) has a series where that is 0: the root of each side by itself.
         Node::Call(f @ (Function::sqrt | Function::powf), x, exponent) => {
@@ -73,7 +87,7 @@ pub fn sided(g: &mut Graph, roots: &[Value], others: &[Value]) -> (Vec<Value>, V
 }
 
 /// The switching functions of all choices among these expressions that move: a − b of `a < b`, x of `x.abs()` and
-/// `x.signum()`, each once, and the choices below them as they are.
+/// `x.signum()`, y of the cut of `atan2(y, x)`, v of `atan(u / v)`, each once, and the choices below them as they are.
 pub fn switching(g: &mut Graph, roots: &[Value]) -> Vec<Value> {
     choices(g, roots).into_iter().map(|(switch, _)| switch).collect()
 }
@@ -88,6 +102,10 @@ pub fn choices(g: &mut Graph, roots: &[Value]) -> Vec<(Value, Vec<Value>)> {
                 let [a, b, ..] = **values;
                 g.sub(a, b)
             }
+            &Node::Call(f, x, other) => match branch(g, f, x, other) {
+                Some(cut) => cut,
+                None => continue,
+            },
             _ => continue,
         };
         let function = simple(g, function);
@@ -100,6 +118,35 @@ pub fn choices(g: &mut Graph, roots: &[Value]) -> Vec<(Value, Vec<Value>)> {
         }
     }
     switches
+}
+
+/// The function at whose sign changes one of these functions jumps from branch to branch: y of `atan2(y, x)`, if x may
+/// be negative, and the denominator of the argument of `atan` and `tanh`.
+fn branch(g: &mut Graph, f: Function, x: Value, other: Value) -> Option<Value> {
+    match f {
+        Function::atan2 => {
+            let is_right = !other.k.is_negative() && other.node.is_none_or(|id| g.is_never_negative(id));
+            (!is_right).then_some(x)
+        }
+        Function::atan | Function::tanh => {
+            let factors = g.factors(x.node?);
+            let changes = |f: &&(Id, i32)| f.1 < 0 && f.1 % 2 != 0 && !g.is_never_negative(f.0);
+            let below: Vec<(Id, i32)> = factors.iter().filter(changes).map(|f| (f.0, 1)).collect();
+            (!below.is_empty()).then(|| g.assemble(&below))
+        }
+        _ => None,
+    }
+}
+
+/// The function that is negative where a switch decides anything, if all that it decides are cuts of `atan2(y, x)`:
+/// the least of the x.
+pub fn cut(g: &mut Graph, decided: &[Value]) -> Option<Value> {
+    let beside = decided.iter().map(|choice| match choice.node.map(|id| g.node(id)) {
+        Some(Node::Call(Function::atan2, _, x)) => Some(*x),
+        _ => None,
+    });
+    let beside = beside.collect::<Option<Vec<Value>>>()?;
+    beside.into_iter().reduce(|a, b| g.select(Comparison::Less, a, b, a, b))
 }
 
 /// A function of the same sign without multiple roots: each factor once that stands in an odd power, and none in an
