@@ -2,6 +2,7 @@
 //! and go on where the impulse was given at an event.
 #![allow(deprecated)]
 
+use lagrange_runtime::analysis::{AnalysisError, ByVariationalEquations, fundamental_matrix};
 use lagrange_runtime::ensemble::{Collect, Ensemble, Table};
 use lagrange_runtime::failure::Requirement;
 use lagrange_runtime::integrate::Failed;
@@ -401,6 +402,16 @@ fn lanes_know_the_side_of_a_cut() {
     same!(Dop853, PiController::tolerance(1e-9));
     same!(Rk4, FixedStep::new(0.07));
     same!(Taylor, TaylorController::tolerance(1e-12));
+}
+
+/// What becomes of a deviation at an edge of the potential depends on the impulse, too.
+#[test]
+fn derivatives_across_an_impulse_are_refused() {
+    let (edge, start) = (Edge::default(), State::new(0.0, [0.0, 0.0], [1.0, 0.5]));
+    let flow = ByVariationalEquations::<_, 10>::new(&edge, 1e-9);
+    assert!(fundamental_matrix(&flow, &start, 0.9).is_ok());
+    let refused = fundamental_matrix(&flow, &start, 2.0);
+    assert!(matches!(refused, Err(AnalysisError::Run(Failure::UnknownImpulse { .. }))), "{refused:?}");
 }
 
 lagrangian! {
