@@ -21,7 +21,7 @@ mod taylor;
 
 use crate::equations::Derived;
 use crate::equations::scaling::Scalings;
-use crate::graph::{Number, Value};
+use crate::graph::{Number, Symbol, Value};
 use crate::model::frames::Motion;
 use crate::model::{External, Model, indexed};
 use crate::program::lower::{prepared, program};
@@ -383,8 +383,16 @@ impl Emitter<'_> {
         let places: Vec<usize> = (0..count).collect();
         let impulses = self.d.equations.impulses.switches.len();
         let impulses = (impulses > 0).then(|| quote!(const IMPULSES: usize = #impulses;));
+        let rates: Vec<Value> = switches.iter().map(|([_, rate], _)| *rate).collect();
+        let holds = self.d.graph.depends(&rates, |symbol| matches!(symbol, Symbol::Given(_)));
+        let holds = holds.then(|| {
+            quote!(
+                const HOLDS: bool = true;
+            )
+        });
         Some(quote! {
             #impulses
+            #holds
             const SWITCHES: usize = #count;
             fn switches(
                 &self,

@@ -197,6 +197,7 @@ where
     const ATTITUDES: &'static [usize] = Sys::ATTITUDES;
     const SWITCHES: usize = Sys::SWITCHES;
     const IMPULSES: usize = Sys::IMPULSES;
+    const HOLDS: bool = Sys::HOLDS;
 
     fn accel(
         &self,

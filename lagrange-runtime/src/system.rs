@@ -208,6 +208,10 @@ pub trait System<const N: usize> {
     /// Number of [switching functions](Self::switches).
     const SWITCHES: usize = 0;
 
+    /// True if the rate of a switching function depends on the accelerations, as with dry friction: such a switch may
+    /// hold the motion ([`Failure::Sliding`]).
+    const HOLDS: bool = false;
+
     /// Number of switching functions at which an impulse acts, the first of all: across them a momentum ∂L/∂q̇ jumps,
     /// or L does along a coordinate. Runs end there in [`Failure::UnknownImpulse`], where the function
     /// [decides](Self::decides).
@@ -628,6 +632,7 @@ macro_rules! pass_on_run {
         }
         const SWITCHES: usize = <$system as $crate::System<N>>::SWITCHES;
         const IMPULSES: usize = <$system as $crate::System<N>>::IMPULSES;
+        const HOLDS: bool = <$system as $crate::System<N>>::HOLDS;
 
         #[inline(always)]
         fn kinked(&self) -> Option<&'static str> {

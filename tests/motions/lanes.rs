@@ -268,6 +268,7 @@ fn switches() {
     };
     let study = || Ensemble::new(table(), 21, rubbed);
     lanes_are_alone!(study().integrate(Dop853, PiController::tolerance(1e-9), 12.0).threads(1), Fused, 21);
+    lanes_are_alone!(study().integrate(Rk4, FixedStep::new(0.01), 12.0).threads(1), Fused, 21);
 }
 
 lagrangian! {

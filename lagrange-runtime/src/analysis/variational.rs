@@ -61,6 +61,7 @@ impl<S: Scalar, Sys: Lagrangian<N, Scalar = S> + Rescale<N>, const N: usize, con
     const AUTONOMOUS: bool = Sys::AUTONOMOUS;
     const SWITCHES: usize = Sys::SWITCHES;
     const IMPULSES: usize = Sys::IMPULSES;
+    const HOLDS: bool = Sys::HOLDS;
     const ATTITUDES: &'static [usize] = Sys::ATTITUDES;
 
     fn shortened(&self, at: &State<S, T>, equal: Option<S>) -> Option<State<S, T>>

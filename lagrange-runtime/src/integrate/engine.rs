@@ -3,7 +3,7 @@
 
 use super::memories::DoubleBuffer;
 use super::rules::{self, ends_early};
-use super::switches::{Approach, Interpolated, Passage, beyond_impulses, landed_on, needs_impulse};
+use super::switches::{Approach, Interpolated, Passage, beyond_impulses, landed_on, needs_impulse, not_held};
 use crate::attitude::steps::may_change;
 use crate::constraint::NEARLY_DEPENDENT;
 use crate::controller::{Controller, FirstStep, Verdict};
@@ -691,6 +691,7 @@ where
         if Self::DEPENDENT && (self.across != [false; 2] || Sys::Scalar::SLOPES > 0) {
             self.gets_across(system, &step)?;
         }
+        not_held(system, [&step.from, &step.to], h, self.count)?;
         let step = self.commit(system, step, next_memory);
         if last {
             self.change(Status::Driven);

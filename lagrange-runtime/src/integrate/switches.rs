@@ -482,11 +482,58 @@ where
     (0..Sys::IMPULSES).any(|switch| {
         let [a, b] = [from, to].map(|at| evaluated(system, at, &rest, switch)[0][0]);
         (a < 0.0 && b >= 0.0 || a > 0.0 && b <= 0.0) && {
-            let part = Scalar::from_f64(a / (a - b));
-            let (dt, by) = (to.t - from.t, to.minus(from));
-            system.decides(switch, &from.moved(dt.mul_add(part, from.t), part, &by))
+            system.decides(switch, &between(from, to, a / (a - b)))
         }
     })
+}
+
+/// Equal steps between two looks for a switch that holds the motion without being crossed: stages on both sides of it
+/// may cancel in each step, and the motion creeps. A look goes so many steps ahead: where one of the accelerations is
+/// small, it leads back to the switch in several steps, and the other one throws the motion off before it is there.
+const LOOK: f64 = 8.0;
+const AHEAD: f64 = 4.0;
+
+/// Part of a step of one size, beside a switch that it crossed, at which the accelerations are looked at.
+const BESIDE: f64 = 1.0 / (1u64 << 20) as f64;
+
+/// Fails if a switch holds the motion that this step, one of so many equal ones, has brought to it.
+///
+/// # Errors
+/// [`Failure::Sliding`].
+#[cfg_attr(not(debug_assertions), inline(always))]
+pub(super) fn not_held<Sys: System<N>, const N: usize>(
+    system: &Sys,
+    [from, to]: [&State<Sys::Scalar, N>; 2],
+    h: Sys::Scalar,
+    count: f64,
+) -> Result<(), Failure<Sys::Scalar>>
+where
+    Sys::Scalar: Real,
+{
+    if !Sys::HOLDS {
+        return Ok(());
+    }
+    let crosses = |a: f64, b: f64| a < 0.0 && b >= 0.0 || a > 0.0 && b <= 0.0;
+    if let Some(switch) = changed(system, from, to, crosses) {
+        let rest = SVector::repeat(Scalar::zero());
+        let [a, b] = [from, to].map(|at| evaluated(system, at, &rest, switch)[0][0]);
+        if is_held(system, &between(from, to, a / (a - b)), BESIDE * h.to_f64()) {
+            return Err(Failure::Sliding { t: to.t });
+        }
+    }
+    if count % LOOK == 0.0 {
+        let accelerations = system.accel(&to.q, &to.qd, to.t);
+        if let Some(time) = held_within(system, to, &accelerations, AHEAD * h.to_f64()) {
+            return Err(Failure::Sliding { t: to.t + Sys::Scalar::from_f64(time) });
+        }
+    }
+    Ok(())
+}
+
+/// The state at a part of the straight line from one to another.
+fn between<S: Real, const N: usize>(from: &State<S, N>, to: &State<S, N>, part: f64) -> State<S, N> {
+    let part = S::from_f64(part);
+    from.moved((to.t - from.t).mul_add(part, from.t), part, &to.minus(from))
 }
 
 /// The start of a motion that begins within rounding of a switch at which an impulse acts, moved to the side that its

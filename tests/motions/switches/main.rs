@@ -569,6 +569,58 @@ fn held([k, mu]: [f64; 2], [x, v]: [f64; 2]) -> (f64, f64) {
     (t, x)
 }
 
+lagrangian! {
+    /// A block on a spring whose friction is complete from a velocity on.
+    system Saturated {
+        param k, mu, slip;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * k * x * x;
+        Q[x] = -mu * clamp(dot(x) / slip, -1, 1);
+    }
+}
+
+/// Equal steps creep through friction that holds, and are told so.
+#[test]
+fn friction_that_holds_is_named_in_equal_steps() {
+    macro_rules! holds {
+        ($method:expr, $h:expr) => {
+            for number in 0..40 {
+                let name = stringify!($method);
+                let part = |times: f64| (f64::from(number) * times).fract();
+                let (k, mu) = (1.0 + 15.0 * part(0.618), 0.5 + 2.5 * part(0.414));
+                let from = State::new(0.0, [part(0.732) - 0.5], [1.0 + 3.0 * part(0.236)]);
+                let (t, x) = held([k, mu], [from.q[0], from.qd[0]]);
+                if (k * x).abs() > 0.9 * mu {
+                    continue;
+                }
+                let block = Block::new(k, mu);
+                let run = integrate(&block, $method, FixedStep::new($h), from).until(t + 10.0);
+                let failed = run.final_state().expect_err("it holds");
+                let Failure::Sliding { t: end } = failed.failure else { panic!("{name}, {number}: {failed}") };
+                assert!((end - t).abs() < 40.0 * $h, "{name}, {number}: {end} for {t}");
+                assert!((failed.last.q[0] - x).abs() < 40.0 * $h, "{name}, {number}");
+                let before = integrate(&block, $method, FixedStep::new($h), from).until(0.9 * t).final_state();
+                assert!(before.is_ok(), "{name}, {number}");
+                // The same force without a jump, however coarse the steps are for it.
+                let smooth = Saturated::new(k, mu, 1e-3);
+                let run = integrate(&smooth, $method, FixedStep::new($h), from).until(0.9 * t).final_state();
+                assert!(!matches!(&run, Err(failed) if matches!(failed.failure, Failure::Sliding { .. })), "{name}");
+            }
+        };
+    }
+    holds!(Rk4, 0.01);
+    holds!(Rk4, 0.001);
+    holds!(Tsitouras5, 0.01);
+    holds!(DormandPrince5, 0.01);
+    // At rest, under a force that friction withstands.
+    let block = Block::new(2.0, 1.0);
+    let failed = integrate(&block, Rk4, FixedStep::new(0.01), State::new(0.0, [0.2], [0.0])).until(5.0);
+    let failed = failed.final_state().expect_err("it holds");
+    assert!(matches!(failed.failure, Failure::Sliding { t } if t < 0.1), "{failed}");
+    assert!((failed.last.q[0] - 0.2).abs() < 1e-3);
+}
+
 /// Friction that clearly holds is named in time, whatever the tolerance: near the end velocities are below it, and
 /// stages are thrown to and fro.
 fn holds<M>(method: M)

@@ -11,7 +11,7 @@ use crate::failure::Failure;
 use crate::integrate::engine::{Engine, restart_shorter, restore, tolerated};
 use crate::integrate::integrate;
 use crate::integrate::rules;
-use crate::integrate::switches::{Approach, Interpolated, Passage, needs_impulse};
+use crate::integrate::switches::{Approach, Interpolated, Passage, needs_impulse, not_held};
 use crate::lanes::{
     LaneController, Lanes, Lanewise, Observer, Policy, Processor, Rescale, SingleLane, Work, disordered,
 };
@@ -513,6 +513,22 @@ where
                     (to[own.lane], arrived[own.lane]) = (own.t, false);
                 }
                 any = arrived.contains(&true);
+            }
+            if const { <Packed<Sys, P, A, N> as System<N>>::HOLDS } {
+                for i in 0..LANES {
+                    let Some(Occupant { job, .. }) = &pack.occupants[i] else { continue };
+                    if !accepted[i] {
+                        continue;
+                    }
+                    let system = job.system.over(SingleLane::<P, A>::new);
+                    let (from, to) = (pack.state.lane(i), step.to.lane(i));
+                    let h = SingleLane::new(tried[i]);
+                    if let Err(failure) = not_held(&system, [&from, &to], h, paces.count[i]) {
+                        ends.push((i, Err(failure.map(SingleLane::value))));
+                        (accepted[i], arrived[i]) = (false, false);
+                        paces.count[i] -= 1.0;
+                    }
+                }
             }
         } else {
             for i in 0..LANES {
