@@ -410,7 +410,7 @@ impl Emitter<'_> {
         })
     }
 
-    /// Where the switching functions decide anything, if not everywhere.
+    /// The function that tells where the switching functions decide anything, if they do not everywhere.
     fn cuts(&self) -> Option<TokenStream> {
         let (runtime, n) = (&self.d.model.runtime, self.n());
         let switches = self.d.equations.responses.switches.iter().enumerate();

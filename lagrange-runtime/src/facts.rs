@@ -18,7 +18,7 @@ pub struct Facts {
     pub scleronomic: bool,
     /// Time does not appear in the equations of motion: neither in M, nor in `f − b`, nor in the constraints.
     pub autonomous: bool,
-    /// `h = p·q̇ − L` is conserved.
+    /// `h = p·q̇ − L` is conserved, if functions of the program (`extern fn`) are continuous.
     pub conservative: bool,
     /// The forces besides those of L are `−C q̇` with a constant matrix C, and time does not appear in L: h changes
     /// at the rate `−q̇ᵀC q̇`, as it does with a dissipation function of constant coefficients.

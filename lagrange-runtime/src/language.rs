@@ -63,7 +63,7 @@
 /// | `let touches = y < 0;` | a condition with a name, for `if touches { … } else { … }` |
 /// | `let y: [N] = \|i\| …;` | an indexed family; element `i` may use `y[i - 1]` |
 /// | `fn gust(s) = a * (-s * s).exp();` | a function |
-/// | `extern fn mu(t);` | a Rust function `fn mu<S: Scalar>(t: S) -> S` in scope; derivatives are taken by duals |
+/// | `extern fn mu(t);` | a Rust function `fn mu<S: Scalar>(t: S) -> S` in scope, continuous with continuous derivatives; these are taken by duals |
 /// | `extern wind: Curve(t);` | a function with data: a field `wind` of this type, given with the value of the system, which is an [`ExternFunction`](crate::traits::ExternFunction): a measured curve, a map of two arguments (`Surface`), or a type of the program |
 /// | `T = …; V = …;` | kinetic and potential energy, `L = T − V` |
 /// | `L = …;` | the Lagrangian whole, instead of T and V, where V depends on velocities |

@@ -181,7 +181,7 @@ fn jump(
     })
 }
 
-/// Those of so many values that jump at a root: by more, within 1e-9 of the root, than they change on either side, and
+/// The indices of values that jump at a root: by more, within 1e-9 of the root, than they change on either side, and
 /// than rounded coefficients make of it.
 fn jumping(count: usize, root: f64, at: impl Fn(f64) -> Vec<f64>) -> impl Iterator<Item = usize> {
     let d = 1e-9 * if root == 0.0 { 1.0 } else { root.abs() };

@@ -104,7 +104,8 @@ fn no_arguments(input: ParseStream, name: &Ident, word: &str, errors: &mut Error
     Ok(())
 }
 
-/// The tokens where Rust has a type, read flat: a parser of types would recurse as deep as they are nested.
+/// The tokens where Rust has a type, read flat: a parser of types would recurse as deep as they are nested. The name of
+/// a kind ends them: what follows it in a new line belongs to another statement.
 pub fn type_tokens(input: ParseStream) -> syn::Result<TokenStream> {
     let mut tokens = TokenStream::new();
     while !(input.is_empty()
@@ -113,7 +114,12 @@ pub fn type_tokens(input: ParseStream) -> syn::Result<TokenStream> {
         || input.peek(Token![;])
         || input.peek(syn::token::Brace))
     {
-        tokens.extend([input.parse::<TokenTree>()?]);
+        let token: TokenTree = input.parse()?;
+        let is_kind = tokens.is_empty() && KINDS.iter().any(|(kind, _)| token.to_string() == *kind);
+        tokens.extend([token]);
+        if is_kind && input.peek(syn::Ident) {
+            break;
+        }
     }
     if tokens.is_empty() {
         Err(input.error("expected a kind, `angle`, `length`, `rotation` or `direction`"))

@@ -426,4 +426,21 @@ pub mod too_many_nodes {
     }
 }
 
+// Derivatives, constants and products as they are written elsewhere.
+pub mod of_other_languages {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Pendulum {
+            param m, l;
+            const g = 9.81;
+            coord theta: angle, x;
+            T = 0.5 * m * (l * theta.dot()).powi(2);
+            V = -m g * l * cos(theta);
+            Q[theta] = ddot(theta);
+            Q[x] = 2 (x + 1);
+        }
+    }
+}
+
 fn main() {}

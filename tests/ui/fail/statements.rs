@@ -347,4 +347,20 @@ pub mod outputs_and_inputs_of_other_forms {
     pub fn main() {}
 }
 
+// A kind whose `;` was forgotten, a force without its coordinate, and an energy that is given twice.
+pub mod kinds_and_forces {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Pendulum {
+            param m, l, g = 9.81;
+            coord theta: angle
+            T = 0.5 * m * (l * dot(theta)).powi(2);
+            V = -m * g * l * cos(theta);
+            V = 0.5 * theta.powi(2);
+            Q = 3 * cos(t);
+        }
+    }
+}
+
 fn main() {}
