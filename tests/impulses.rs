@@ -404,7 +404,7 @@ fn lanes_know_the_side_of_a_cut() {
     same!(Taylor, TaylorController::tolerance(1e-12));
 }
 
-/// What becomes of a deviation at an edge of the potential depends on the impulse, too.
+/// Deviations at an edge of the potential depend on the impulse, too.
 #[test]
 fn derivatives_across_an_impulse_are_refused() {
     let (edge, start) = (Edge::default(), State::new(0.0, [0.0, 0.0], [1.0, 0.5]));
