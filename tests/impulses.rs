@@ -377,6 +377,47 @@ fn lanes_fail_as_alone() {
     same!(Taylor, TaylorController::tolerance(1e-12));
 }
 
+lagrangian! {
+    /// A plateau in a corner of the plane, and what is beyond two lines.
+    system Plateau {
+        param high = 0.3;
+        coord x, y;
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = if x > 1 && y > 1 { high } else { 0 } + if x < -1 || y < -1 { 0.2 * x } else { 0 };
+    }
+}
+
+/// Conditions that stand together end a run where the energy jumps, and not where one of them changes alone.
+#[test]
+fn conditions_stand_together() {
+    let plateau = Plateau::default();
+    assert_eq!(<Plateau as System<2>>::IMPULSES, 4);
+    macro_rules! stands {
+        ($method:expr, $control:expr) => {
+            let name = stringify!($method);
+            let end = |[x, y]: [f64; 2], qd: [f64; 2], t: f64| {
+                integrate(&plateau, $method, $control, State::new(0.0, [x, y], qd)).until(t).final_state()
+            };
+            // Past x = 1 below the plateau, past y = 1 beside it, and onto it.
+            for (from, qd) in [([0.0, 0.5], [1.0, 0.1]), ([0.5, 0.0], [0.1, 1.0])] {
+                let right = [from[0] + 2.0 * qd[0], from[1] + 2.0 * qd[1]];
+                let to = end(from, qd, 2.0).unwrap();
+                assert!((to.q - SVector::from(right)).amax() < 1e-12, "{name}: {to:?}");
+            }
+            for (from, qd) in [([0.0, 0.5], [1.0, 1.0]), ([1.5, 0.0], [0.0, 1.0]), ([0.0, 1.5], [1.0, 0.0])] {
+                let t = impulse(end(from, qd, 3.0));
+                assert!((t - 1.0).abs() <= 0.13, "{name}: {t}");
+            }
+            // From one of the lines over the other one, where the force is there already, and out from it.
+            let to = end([-2.0, -0.5], [0.0, -1.0], 1.0).unwrap();
+            assert!((to.q - SVector::from([-2.1, -1.5])).amax() < 1e-9, "{name}: {to:?}");
+            let t = impulse(end([-0.5, 0.0], [-0.5, 0.0], 3.0));
+            assert!((t - 1.0).abs() <= 0.13, "{name}: {t}");
+        };
+    }
+    with_methods!(stands);
+}
+
 /// Some lanes cross the ray on the side of the cut, and some on the other one.
 #[test]
 fn lanes_know_the_side_of_a_cut() {

@@ -10,7 +10,7 @@ use super::check::{TRIALS, sample};
 use super::formed::Formed;
 use super::series::switches::{Switch, choices, cut, switching};
 use crate::diagnostics::Errors;
-use crate::graph::{Function, Graph, Node, Symbol, Value};
+use crate::graph::{Comparison, Function, Graph, Node, Symbol, Value};
 use crate::model::Model;
 use proc_macro2::Ident;
 
@@ -23,6 +23,8 @@ const MOST_ROOTS: usize = 8;
 /// Places at which a switch is looked at.
 const PLACES: u64 = 64;
 const MOST_LITERALS: usize = 32;
+/// Length of a jump that is looked at where a switch is crossed; a longer one counts as a jump everywhere.
+const MOST_NODES: usize = 200;
 /// Part of a value up to which a jump is that of rounded coefficients.
 const ROUNDED: f64 = 1e-8;
 
@@ -65,18 +67,17 @@ pub fn impulses(g: &mut Graph, model: &Model, formed: &Formed, errors: &mut Erro
     let choices: Vec<_> = choices.collect();
     let literals = literals(g, &choices.iter().flat_map(|(_, choices)| choices.clone()).collect::<Vec<_>>());
     let found = choices.iter().filter_map(|choice| {
-        let cut = cut(g, &choice.1);
-        let jump = jump(g, &values, choice, cut.is_some(), &literals, model.mechanical())?;
-        Some((Switch { value: choice.0, cut }, jump))
+        let is_cut = cut(g, &choice.1).is_some();
+        let jump = jump(g, &values, choice, is_cut, &literals, model.mechanical())?;
+        Some((choice, is_cut, jump))
     });
-    let found: Vec<(Switch, Jump)> = found.collect();
+    let found: Vec<_> = found.collect();
     let derived = model.origin.is_some() || model.reduction.is_some();
     let mut told: Vec<&Ident> = Vec::new();
     // (A motion may stay away from a cut, and most do: only a prescribed one has its way.)
-    let is_told = |(switch, jump): &&(Switch, Jump)| {
-        !derived && (switch.cut.is_none() || matches!(jump, Jump::Position))
-    };
-    for (_, jump) in found.iter().filter(is_told) {
+    let is_told =
+        |(_, is_cut, jump): &&(_, bool, Jump)| !derived && (!is_cut || matches!(jump, Jump::Position));
+    for (_, _, jump) in found.iter().filter(is_told) {
         let (keyword, what) = match jump {
             Jump::Momentum(i) => {
                 (&model.keywords.kinetic, format!("the momentum of `{}`", model.coordinates[*i].label()))
@@ -100,8 +101,45 @@ pub fn impulses(g: &mut Graph, model: &Model, formed: &Formed, errors: &mut Erro
             errors.warn(keyword.span(), "an_energy_that_jumps", message);
         }
     }
-    let switches = found.into_iter().map(|(switch, _)| switch).collect();
+    let switches = found.into_iter().map(|((switch, decided), ..)| Switch {
+        value: *switch,
+        cut: where_decided(g, &values, *switch, decided),
+    });
+    let switches = switches.collect();
     Impulses { switches, slopes: slopes(g, model, &values[..model.mechanical()]), positions }
+}
+
+/// The function that is negative where a switch decides anything, if it does not everywhere: less than 0 by the jump of
+/// the values, or of `atan2(y, x)` the x.
+fn where_decided(g: &mut Graph, values: &[Value], switch: Value, decided: &[Value]) -> Option<Value> {
+    let mut least: Option<Value> = None;
+    for choice in decided {
+        let sides = match g.node(choice.node?) {
+            Node::Select(_, all) => [all[2], all[3]],
+            Node::Call(Function::signum, ..) => [Value::ONE, -Value::ONE],
+            _ => {
+                let x = cut(g, &[*choice])?;
+                least = Some(least.map_or(x, |other| g.select(Comparison::Less, x, other, x, other)));
+                continue;
+            }
+        };
+        // (L may jump with time.)
+        let moves = g.depends(&[switch], |symbol| matches!(symbol, Symbol::Coordinate(_)));
+        let values = &values[..values.len() - usize::from(!moves)];
+        let [one, other] =
+            sides.map(|side| g.replace(values, |id, _| (Some(id) == choice.node).then_some(side)));
+        let mut jumps = Vec::new();
+        for (one, other) in one.into_iter().zip(other) {
+            let jump = g.sub(one, other);
+            jumps.push(g.call(Function::abs, jump));
+        }
+        let sum = jumps.into_iter().reduce(|a, b| g.add(a, b)).unwrap_or(Value::ZERO);
+        if sum.node.is_none_or(|id| g.is_fixed(id)) && !sum.is_zero() || g.live(&[sum]).len() > MOST_NODES {
+            return None;
+        }
+        least = Some(least.map_or(-sum, |other| g.select(Comparison::Less, -sum, other, -sum, other)));
+    }
+    least
 }
 
 fn positions(g: &mut Graph, model: &Model, formed: &Formed) -> Vec<Value> {
