@@ -219,6 +219,37 @@ where
     }
 }
 
+/// Fails if the inertia matrix at the start of a run is not positive definite: only of systems in which it is for
+/// positive parameters.
+///
+/// # Errors
+/// [`Failure::NegativeInertia`].
+#[cold]
+#[inline(never)]
+pub fn definite<Sys: Lagrangian<N>, const N: usize>(
+    system: &Sys,
+    start: &State<Sys::Scalar, N>,
+    at: &State<Sys::Scalar, N>,
+) -> Result<(), Failure<Sys::Scalar>>
+where
+    Sys::Scalar: Real,
+{
+    if start != at || size_of::<SMatrix<Sys::Scalar, N, N>>() > MAX_MATRIX_BYTES {
+        return Ok(());
+    }
+    let inertia = system.inertia(&at.q, &at.qd, at.t);
+    let pivots = factored(&inertia).diagonal;
+    let rounded: f64 = libm::sqrt(Sys::Scalar::EPSILON);
+    let is_negative = |k: usize| {
+        let [pivot, entry]: [f64; 2] = [pivots[k], inertia[(k, k)]].map(Real::to_f64);
+        pivot < -rounded * entry.abs()
+    };
+    match (0..N).find(|k| is_negative(*k)) {
+        Some(k) => Err(Failure::NegativeInertia { t: at.t, coordinate: Coordinate::of::<Sys, N>(k) }),
+        None => Ok(()),
+    }
+}
+
 /// [`Failure::SingularInertia`] of the coordinate whose inertia at `at` is the least part of that at `compared`, if
 /// it is no more than `brink`.
 fn vanished<Sys: Lagrangian<N>, const N: usize>(

@@ -184,6 +184,14 @@ pub enum Failure<S = f64> {
         /// the pole of Euler's angles.
         with: Option<Coordinate>,
     },
+    /// The inertia matrix is not positive definite at the start of a run, although that of positive masses is: a
+    /// parameter that is a mass or a moment of inertia is negative. The motion would gain energy without bound.
+    NegativeInertia {
+        /// Time.
+        t: S,
+        /// The coordinate whose pivot is negative.
+        coordinate: Coordinate,
+    },
     /// Velocities are so large, and cancel so far, that rounding them changes the kinetic energy in the upper half of
     /// its digits: the coordinates are nearly singular. See [`resolved`](crate::diagnosis::resolved).
     Cancellation {
@@ -433,7 +441,7 @@ impl<S> Failure<S> {
     /// Its name, by which the guide's chapter on failures explains it: `"StepSizeUnderflow"`.
     pub fn name(&self) -> &'static str {
         variant! { self => Failure:
-            StepSizeUnderflow, NonFinite, StateNotFinite, Quadrature, SingularInertia, Cancellation, NotConverged, SingularStep, InvariantLost, ConstraintViolated, ConstraintDrift, DependentConstraints, Bifurcation, OutsideModel, BudgetUsedUp, Sliding, UnknownImpulse, NoDerivative, NotDifferentiable, Unsuitable, BadTolerance, BadStepSize, WrongDirection, TimeGoesBack, BadPeriod, InputNotFinite, BadEnd, SampleOrder, SampleBeyondEnd, EventNotFinite, EventNotBracketed, EventsAccumulate, EventsUnresolved,
+            StepSizeUnderflow, NonFinite, StateNotFinite, Quadrature, SingularInertia, NegativeInertia, Cancellation, NotConverged, SingularStep, InvariantLost, ConstraintViolated, ConstraintDrift, DependentConstraints, Bifurcation, OutsideModel, BudgetUsedUp, Sliding, UnknownImpulse, NoDerivative, NotDifferentiable, Unsuitable, BadTolerance, BadStepSize, WrongDirection, TimeGoesBack, BadPeriod, InputNotFinite, BadEnd, SampleOrder, SampleBeyondEnd, EventNotFinite, EventNotBracketed, EventsAccumulate, EventsUnresolved,
         }
     }
 }
@@ -514,6 +522,11 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
                 f,
                 "at t = {t:?} the inertia matrix is singular in coordinate {coordinate}; give that coordinate mass, \
                  or choose coordinates without a singularity there"
+            ),
+            Failure::NegativeInertia { t, coordinate } => write!(
+                f,
+                "at t = {t:?} the kinetic energy is negative for a velocity of coordinate {coordinate}: a mass or a moment of inertia is \
+                 negative; look at the parameters (the `{{:?}}` of the system shows them), or at how they are drawn"
             ),
             Failure::Cancellation { t, coordinate, condition } => write!(
                 f,
@@ -688,6 +701,7 @@ impl<S> Failure<S> {
             Failure::SingularInertia { t, coordinate, with } => {
                 Failure::SingularInertia { t: f(t), coordinate, with }
             }
+            Failure::NegativeInertia { t, coordinate } => Failure::NegativeInertia { t: f(t), coordinate },
             Failure::Cancellation { t, coordinate, condition } => {
                 Failure::Cancellation { t: f(t), coordinate, condition }
             }

@@ -28,7 +28,7 @@ impl core::error::Error for Singular {}
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ldlt<S, const N: usize> {
     lower: SMatrix<S, N, N>,
-    diagonal: SVector<S, N>,
+    pub(crate) diagonal: SVector<S, N>,
 }
 
 /// Factors a symmetric matrix without pivoting, which is stable where it is definite, as an inertia matrix is. Only

@@ -145,22 +145,29 @@ pub fn signs(
     }
 }
 
-/// Warns of a kinetic energy that is negative for some velocities wherever it is tried, with the default values of
-/// parameters that have some.
-pub fn indefinite(g: &Graph, m: &[Vec<Value>], model: &Model, errors: &mut Errors) {
-    let Some(keyword) = model.keywords.kinetic.as_ref().filter(|keyword| *keyword == "T") else { return };
-    let is_negative = |trial: u64| {
+/// Is the inertia matrix of a kinetic energy positive definite wherever it is tried, with the default values of
+/// parameters that have some? Warns of a kinetic energy that is negative for some velocities wherever it is tried.
+pub fn is_definite(g: &Graph, m: &[Vec<Value>], model: &Model, errors: &mut Errors) -> bool {
+    let Some(keyword) = model.keywords.kinetic.as_ref().filter(|keyword| *keyword == "T") else {
+        return false;
+    };
+    // The least pivot, in parts of the largest inertia.
+    let least = |trial: u64| {
         let a = numbers_of(g, m, |s| match s {
             Symbol::Parameter(i) => model.default_of(i).unwrap_or_else(|| sample(s, trial, 0)),
             _ => sample(s, trial, 0),
         });
         let scale = (0..a.len()).map(|i| a[i][i].abs()).fold(0.0, f64::max);
-        pivots(a).into_iter().any(|pivot| pivot < -1e-9 * scale)
+        // (Those after one of 0 are no numbers.)
+        pivots(a).into_iter().fold(f64::INFINITY, |least, pivot| if pivot >= least { least } else { pivot })
+            / scale
     };
-    if errors.is_empty() && model.origin.is_none() && (0..TRIALS).all(is_negative) {
+    let parts: Vec<f64> = (0..TRIALS).map(least).collect();
+    if errors.is_empty() && model.origin.is_none() && parts.iter().all(|part| *part < -1e-9) {
         let message = "the kinetic energy is negative for some velocities: the inertia matrix is not positive definite where parameters have their default values, or positive ones\nhelp: check signs and factors of products of velocities, and that masses are positive";
         errors.warn(keyword.span(), "a_negative_kinetic_energy", message.into());
     }
+    parts.iter().all(|part| *part > 1e-9)
 }
 
 /// No coordinate without inertia: neither a zero row, nor a matrix that is singular wherever it is tried. With

@@ -40,6 +40,8 @@ pub struct Formed {
     pub systems: Vec<System>,
     /// Number of the coordinates before those of the states.
     pub mechanical: usize,
+    /// The inertia matrix of the coordinates is positive definite wherever it was tried.
+    pub is_definite: bool,
 }
 
 /// A symmetric system of linear equations.
@@ -90,7 +92,7 @@ pub fn formed(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Forme
         (0..n).map(|i| g.forward(&[friction[i]], |s| (s == velocities[i]).then_some(Value::ONE))[0]);
     let damping: Vec<Value> = damping.collect();
     check::signs(g, &systems[0].matrix, &damping, &model.coordinates, &model.keywords, errors);
-    check::indefinite(g, &systems[0].matrix[..mechanical], model, errors);
+    let is_definite = check::is_definite(g, &systems[0].matrix[..mechanical], model, errors);
     // The bordered matrix is singular where constraints follow from others.
     let sound = match rows.redundancy {
         None => {
@@ -115,6 +117,7 @@ pub fn formed(g: &mut Graph, model: &Model, errors: &mut Errors) -> Option<Forme
         unreduced,
         systems,
         mechanical,
+        is_definite,
     })
 }
 

@@ -382,6 +382,7 @@ fn every_text_ends_in_a_hint() {
         Failure::StateNotFinite { t: 0.0, part: Part::Velocity(coordinate(1, "")) },
         Failure::StateNotFinite { t: 0.0, part: Part::Equation(coordinate(1, "x")) },
         Failure::SingularInertia { t: 0.0, coordinate: coordinate(1, ""), with: None },
+        Failure::NegativeInertia { t: 0.0, coordinate: coordinate(1, "phi") },
         Failure::SingularInertia {
             t: 0.0,
             coordinate: coordinate(2, "psi"),
