@@ -526,7 +526,8 @@ impl<S: fmt::Debug> fmt::Display for Failure<S> {
             Failure::NegativeInertia { t, coordinate } => write!(
                 f,
                 "at t = {t:?} the kinetic energy is negative for a velocity of coordinate {coordinate}: a mass or a moment of inertia is \
-                 negative; look at the parameters (the `{{:?}}` of the system shows them), or at how they are drawn"
+                 negative; give that parameter the other sign (the `{{:?}}` of the system shows it), or draw it from a distribution \
+                 without values below 0"
             ),
             Failure::Cancellation { t, coordinate, condition } => write!(
                 f,

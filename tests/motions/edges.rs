@@ -107,6 +107,7 @@ fn tells(failure: &Failure) -> bool {
         Failure::NonFinite { .. }
             | Failure::StateNotFinite { .. }
             | Failure::SingularInertia { .. }
+            | Failure::NegativeInertia { .. }
             | Failure::SingularStep { .. }
             | Failure::StepSizeUnderflow { .. }
             | Failure::BadEnd { .. }
@@ -416,7 +417,7 @@ fn bodies_on_frames() {
         // C cancels.
         ("nothing that spins", Wheel { C: 0.0, ..WHEEL }, ordinary, EndsOrFails(exact, PHASE)),
         ("nothing at all", Wheel { m: 0.0, A: 0.0, C: 0.0, ..WHEEL }, ordinary, Fails),
-        ("negative C, which cancels", Wheel { C: -0.3, ..WHEEL }, ordinary, EndsOrFails(exact, PHASE)),
+        ("negative C", Wheel { C: -0.3, ..WHEEL }, ordinary, Fails),
         ("no inertia in all", Wheel { A: -1.0, ..WHEEL }, ordinary, Fails),
         ("no mass", Wheel { m: 0.0, ..WHEEL }, ordinary, EndsOrFails(0.5, PHASE)),
         ("mass below normal numbers", Wheel { m: 1e-310, ..WHEEL }, ordinary, EndsOrFails(0.5, PHASE)),
