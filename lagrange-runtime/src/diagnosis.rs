@@ -135,7 +135,7 @@ where
         return cause;
     }
     let compared = if at_start { beside(last, 1.0) } else { *start };
-    if let Some(cause) = vanished(system, last, &compared, BRINK) {
+    if let Some(cause) = vanished(system, last, &compared, BRINK, false) {
         return cause;
     }
     // (Of a motion that has grown beyond all numbers it is not the equations that are to blame.)
@@ -174,6 +174,9 @@ fn without_equation<Sys: Lagrangian<N>, const N: usize>(
 /// vanished.
 pub(crate) const BRINK: f64 = 1e-10;
 
+/// The part of an inertia up to which a negative pivot is rounding.
+const ROUNDED: f64 = 1e-5;
+
 /// The largest matrix for which the cause of a failure is looked for: several have to fit the stack of a thread.
 pub(crate) const MAX_MATRIX_BYTES: usize = 1 << 16;
 
@@ -199,13 +202,15 @@ pub(crate) fn away<S: Scalar, const N: usize>(at: &State<S, N>, part: f64, unit:
 }
 
 /// Fails if `at` is within rounding of a state at which a coordinate has no inertia, such as θ = π of Euler's angles,
-/// whose sine is not 0 in floating-point numbers: accelerations are finite there, and mean nothing.
+/// whose sine is not 0 in floating-point numbers: accelerations are finite there, and mean nothing. Fails, too, if M is
+/// not positive definite there, of a system in which it `is_definite` for positive parameters.
 ///
 /// # Errors
-/// [`Failure::SingularInertia`].
-pub(crate) fn regular<Sys: Lagrangian<N>, const N: usize>(
+/// [`Failure::SingularInertia`], [`Failure::NegativeInertia`].
+fn regular<Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
+    is_definite: bool,
 ) -> Result<(), Failure<Sys::Scalar>>
 where
     Sys::Scalar: Real,
@@ -213,50 +218,20 @@ where
     if size_of::<SMatrix<Sys::Scalar, N, N>>() > MAX_MATRIX_BYTES {
         return Ok(());
     }
-    match vanished(system, at, &beside(at, 0.0), Sys::Scalar::EPSILON) {
+    match vanished(system, at, &beside(at, 0.0), Sys::Scalar::EPSILON, is_definite) {
         Some(failure) => Err(failure),
         None => Ok(()),
     }
 }
 
-/// Fails if the inertia matrix at the start of a run is not positive definite: only of systems in which it is for
-/// positive parameters.
-///
-/// # Errors
-/// [`Failure::NegativeInertia`].
-#[cold]
-#[inline(never)]
-pub fn definite<Sys: Lagrangian<N>, const N: usize>(
-    system: &Sys,
-    start: &State<Sys::Scalar, N>,
-    at: &State<Sys::Scalar, N>,
-) -> Result<(), Failure<Sys::Scalar>>
-where
-    Sys::Scalar: Real,
-{
-    if start != at || size_of::<SMatrix<Sys::Scalar, N, N>>() > MAX_MATRIX_BYTES {
-        return Ok(());
-    }
-    let inertia = system.inertia(&at.q, &at.qd, at.t);
-    let pivots = factored(&inertia).diagonal;
-    let rounded: f64 = libm::sqrt(Sys::Scalar::EPSILON);
-    let is_negative = |k: usize| {
-        let [pivot, entry]: [f64; 2] = [pivots[k], inertia[(k, k)]].map(Real::to_f64);
-        pivot < -rounded * entry.abs()
-    };
-    match (0..N).find(|k| is_negative(*k)) {
-        Some(k) => Err(Failure::NegativeInertia { t: at.t, coordinate: Coordinate::of::<Sys, N>(k) }),
-        None => Ok(()),
-    }
-}
-
 /// [`Failure::SingularInertia`] of the coordinate whose inertia at `at` is the least part of that at `compared`, if
-/// it is no more than `brink`.
+/// it is no more than `brink`. [`Failure::NegativeInertia`] of one with a negative pivot, where none should be.
 fn vanished<Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
     at: &State<Sys::Scalar, N>,
     compared: &State<Sys::Scalar, N>,
     brink: f64,
+    is_definite: bool,
 ) -> Option<Failure<Sys::Scalar>>
 where
     Sys::Scalar: Real,
@@ -274,6 +249,13 @@ where
             return rank_is_lost.then(|| singular::<Sys, N>(at.t, pivot, &matrix));
         }
     };
+    let is_negative = |k: usize| {
+        let [pivot, entry]: [f64; 2] = [here.diagonal[k], matrix[(k, k)]].map(Real::to_f64);
+        pivot < -ROUNDED * entry.abs()
+    };
+    if let Some(k) = (0..N).find(|k| is_definite && is_negative(*k)) {
+        return Some(Failure::NegativeInertia { t: at.t, coordinate: Coordinate::of::<Sys, N>(k) });
+    }
     let compared = ldlt(&inertia(compared)).ok()?;
     let left = |k: usize| mobility(&compared, k) / mobility(&here, k);
     let k = (0..N).min_by(|&a, &b| left(a).total_cmp(&left(b)))?;
@@ -297,19 +279,21 @@ fn mobility<S: Real, const N: usize>(inertia: &Ldlt<S, N>, k: usize) -> f64 {
 /// # Errors
 /// [`Failure::Cancellation`] where κ is beyond 1/√ε, that is, where fewer than half of the digits are left; it names
 /// the coordinate with the largest of the terms. [`Failure::SingularInertia`] at a start within rounding of a state
-/// without inertia of some coordinate.
+/// without inertia of some coordinate. [`Failure::NegativeInertia`] at a start with a negative kinetic energy, of a
+/// system whose M `is_definite` for positive parameters.
 #[cold]
 #[inline(never)]
 pub fn resolved<Sys: Lagrangian<N>, const N: usize>(
     system: &Sys,
     start: &State<Sys::Scalar, N>,
     at: &State<Sys::Scalar, N>,
+    is_definite: bool,
 ) -> Result<(), Failure<Sys::Scalar>>
 where
     Sys::Scalar: Real,
 {
     if start == at {
-        regular(system, at)?;
+        regular(system, at, is_definite)?;
     }
     // Less what is no momentum of the motion, such as that of a magnetic field.
     let rest = at.qd.map(|_| Sys::Scalar::zero());

@@ -274,7 +274,7 @@ pub mod __private {
         };
     }
     pub mod diagnosis {
-        pub use crate::diagnosis::{definite, explained, resolved};
+        pub use crate::diagnosis::{explained, resolved};
     }
     pub mod series {
         pub use crate::series::*;

@@ -106,20 +106,15 @@ impl Emitter<'_> {
     /// The bodies of `resolved` and `explained`.
     pub fn why_steps_fail(&self) -> [TokenStream; 2] {
         let (runtime, n, m) = (&self.d.model.runtime, self.n(), self.d.size(Size::Constraints));
-        let definite = self
-            .d
-            .equations
-            .formed
-            .is_definite
-            .then(|| quote!(#runtime::diagnosis::definite(self, start, at)?;));
+        let is_definite = self.d.equations.formed.is_definite;
         if m == 0 {
             return [
-                quote!(#definite #runtime::diagnosis::resolved(self, start, at)),
+                quote!(#runtime::diagnosis::resolved(self, start, at, #is_definite)),
                 quote!(#runtime::diagnosis::explained(self, start, last, failure)),
             ];
         }
         [
-            quote!(#definite #runtime::constraint::resolved::<Self, #n, #m>(self, start, at)),
+            quote!(#runtime::constraint::resolved::<Self, #n, #m>(self, start, at, #is_definite)),
             quote!(#runtime::constraint::explained::<Self, #n, #m>(self, start, last, failure)),
         ]
     }

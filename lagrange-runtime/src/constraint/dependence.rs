@@ -388,11 +388,12 @@ pub fn resolved<Sys: Constrained<N, M>, const N: usize, const M: usize>(
     system: &Sys,
     start: &State<Sys::Scalar, N>,
     at: &State<Sys::Scalar, N>,
+    is_definite: bool,
 ) -> Result<(), Failure<Sys::Scalar>>
 where
     Sys::Scalar: Real,
 {
-    crate::diagnosis::resolved(system, start, at)?;
+    crate::diagnosis::resolved(system, start, at, is_definite)?;
     if start == at
         && let Some(k) = weightless(system, at)
     {

@@ -487,11 +487,11 @@ where
     })
 }
 
-/// Equal steps between two looks for a switch that holds the motion without being crossed: stages on both sides of it
+/// Equal steps between two looks for a switch that holds the motion. It need not be crossed: stages on both sides of it
 /// may cancel in each step, and the motion creeps. A look goes so many steps ahead: where one of the accelerations is
 /// small, it leads back to the switch in several steps, and the other one throws the motion off before it is there.
-const LOOK: f64 = 8.0;
-const AHEAD: f64 = 4.0;
+const LOOK: u64 = 16;
+const AHEAD: f64 = 8.0;
 
 /// Part of a step of one size, beside a switch that it crossed, at which the accelerations are looked at.
 const BESIDE: f64 = 1.0 / (1u64 << 20) as f64;
@@ -505,14 +505,29 @@ pub(super) fn not_held<Sys: System<N>, const N: usize>(
     system: &Sys,
     [from, to]: [&State<Sys::Scalar, N>; 2],
     h: Sys::Scalar,
-    count: f64,
+    count: u64,
 ) -> Result<(), Failure<Sys::Scalar>>
 where
     Sys::Scalar: Real,
 {
-    if !Sys::HOLDS {
+    if !Sys::HOLDS || count % LOOK != 0 {
         return Ok(());
     }
+    looked_at(system, [*from, *to], h)
+}
+
+/// A look after one of many steps. (By values: addresses of its ends would keep the run in memory.)
+#[cold]
+#[inline(never)]
+fn looked_at<Sys: System<N>, const N: usize>(
+    system: &Sys,
+    ends: [State<Sys::Scalar, N>; 2],
+    h: Sys::Scalar,
+) -> Result<(), Failure<Sys::Scalar>>
+where
+    Sys::Scalar: Real,
+{
+    let [from, to] = &ends;
     let crosses = |a: f64, b: f64| a < 0.0 && b >= 0.0 || a > 0.0 && b <= 0.0;
     if let Some(switch) = changed(system, from, to, crosses) {
         let rest = SVector::repeat(Scalar::zero());
@@ -521,13 +536,11 @@ where
             return Err(Failure::Sliding { t: to.t });
         }
     }
-    if count % LOOK == 0.0 {
-        let accelerations = system.accel(&to.q, &to.qd, to.t);
-        if let Some(time) = held_within(system, to, &accelerations, AHEAD * h.to_f64()) {
-            return Err(Failure::Sliding { t: to.t + Sys::Scalar::from_f64(time) });
-        }
+    let accelerations = system.accel(&to.q, &to.qd, to.t);
+    match held_within(system, to, &accelerations, AHEAD * h.to_f64()) {
+        Some(time) => Err(Failure::Sliding { t: to.t + Sys::Scalar::from_f64(time) }),
+        None => Ok(()),
     }
-    Ok(())
 }
 
 /// The state at a part of the straight line from one to another.

@@ -523,7 +523,7 @@ where
                     let system = job.system.over(SingleLane::<P, A>::new);
                     let (from, to) = (pack.state.lane(i), step.to.lane(i));
                     let h = SingleLane::new(tried[i]);
-                    if let Err(failure) = not_held(&system, [&from, &to], h, paces.count[i]) {
+                    if let Err(failure) = not_held(&system, [&from, &to], h, paces.count[i] as u64 - 1) {
                         ends.push((i, Err(failure.map(SingleLane::value))));
                         (accepted[i], arrived[i]) = (false, false);
                         paces.count[i] -= 1.0;
