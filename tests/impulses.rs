@@ -418,6 +418,34 @@ fn conditions_stand_together() {
     with_methods!(stands);
 }
 
+lagrangian! {
+    /// A step of the potential, and an inertia, by the quotient of a place and its size.
+    system Quotients {
+        param dm = 0.5, k = 1.0;
+        coord x, y;
+        T = 0.5 * (1 + dm * x / abs(x)) * dot(x).powi(2) + 0.5 * dot(y).powi(2);
+        V = k * y / sqrt(y * y);
+    }
+}
+
+/// x/|x| is a sign.
+#[test]
+fn quotients_of_a_place_and_its_size_are_signs() {
+    assert_eq!(<Quotients as System<2>>::IMPULSES, 2);
+    macro_rules! fails {
+        ($method:expr, $control:expr) => {
+            for (q, qd) in [([-1.0, 1.0], [1.0, 0.0]), ([1.0, -1.0], [0.0, 1.0])] {
+                let quotients = Quotients::default();
+                let t = impulse(
+                    integrate(&quotients, $method, $control, State::new(0.0, q, qd)).until(3.0).final_state(),
+                );
+                assert!((t - 1.0).abs() <= 0.13, "{}: {t}", stringify!($method));
+            }
+        };
+    }
+    with_methods!(fails);
+}
+
 /// Some lanes cross the ray on the side of the cut, and some on the other one.
 #[test]
 fn lanes_know_the_side_of_a_cut() {

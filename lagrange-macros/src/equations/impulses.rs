@@ -21,7 +21,7 @@ const PARTS: u32 = 64;
 const DECADES: i32 = 9;
 const MOST_ROOTS: usize = 8;
 /// Places at which a switch is looked at.
-const PLACES: u64 = 64;
+const PLACES: u64 = 192;
 const MOST_LITERALS: usize = 32;
 /// Length of a jump that is looked at where a switch is crossed; a longer one counts as a jump everywhere.
 const MOST_NODES: usize = 200;
@@ -227,7 +227,7 @@ fn jumping(count: usize, root: f64, at: impl Fn(f64) -> Vec<f64>) -> impl Iterat
     (0..count).filter(move |&i| {
         let (jump, size) = ((above[i] - below[i]).abs(), above[i].abs().max(below[i].abs()));
         let beside = (below[i] - before[i]).abs().max((after[i] - above[i]).abs());
-        jump > 100.0 * beside && jump > ROUNDED * size
+        jump > 100.0 * beside && (jump > ROUNDED * size || jump.is_infinite())
     })
 }
 
@@ -287,7 +287,8 @@ fn roots(f: impl Fn(f64) -> f64, literals: &[f64]) -> Vec<f64> {
     }
     let even = (0..=PARTS).map(|k| RANGE * (2.0 * f64::from(k) / f64::from(PARTS) - 1.0) + 1e-3);
     let sizes = (-2 * DECADES..=2 * DECADES).map(|k| 10f64.powf(0.5 * f64::from(k)));
-    let sizes = sizes.chain(literals.iter().copied()).flat_map(|x| [-x, x]);
+    let eighths = (1..=8).map(|k| 0.25 * f64::from(k) * core::f64::consts::PI);
+    let sizes = sizes.chain(eighths).chain(literals.iter().copied()).flat_map(|x| [-x, x]);
     let mut places: Vec<(f64, f64)> =
         even.chain(sizes).map(|x| (x, f(x))).filter(|(_, y)| !y.is_nan()).collect();
     places.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -92,6 +92,14 @@ fn cuts_are_found() {
         ("V = k * atan2(y, cos(x)).powi(3);", 1),
         ("V = k * tanh(y / (x - 3));", 1),
         ("V = atan2(x, -2);", 1),
+        ("V = k * x / abs(x);", 1),
+        ("V = k * x * y / sqrt(x * x);", 1),
+        ("V = atan2(x, 0) * k;", 1),
+        ("V = k / (1 + exp(1 / x));", 1),
+        ("V = k * atan(1 / x + 3) + k * tanh(sin(x) + 2 / x);", 1),
+        // Narrow, in the middle of nowhere and at a quarter turn.
+        ("V = if (x - 2).powi(2) + (y - 3).powi(2) < 1e-4 { -e } else { 0 };", 1),
+        ("V = if sin(x).powi(2) > 0.999999 { k } else { 0 };", 1),
         // A rail that is moved as a saw.
         (
             "coord p = e * atan2(sin(3 * t), cos(3 * t)); T = (dot(x) + dot(p)).powi(2) + dot(y).powi(2); V = x * x;",
@@ -103,6 +111,7 @@ fn cuts_are_found() {
         ("V = k * atan2(y, 1).powi(2) + k * atan2(x, exp(y)).powi(2) + k * atan2(x, 2 + y * y).powi(2);", 0),
         ("V = k * atan(y / (1 + x * x)).powi(2) + k * asin(sin(x)) + k * tanh(y / e);", 0),
         ("V = k * atan2(abs(y), x).powi(2);", 0),
+        ("V = k * exp(-x * x / (2 + y * y)) + k * x * x / abs(x);", 0),
     ] {
         let kinetic = if statements.contains("T =") { "" } else { T };
         assert_eq!(impulses(&format!("{kinetic} {statements}")), count, "{statements}");

@@ -399,6 +399,9 @@ impl Graph {
         if cancelled {
             return self.assemble(&key);
         }
+        if let Some(signed) = self.signed(&key) {
+            return signed;
+        }
         if let Some(&id) = self.products.get(key.as_slice()) {
             return id.into();
         }
@@ -447,6 +450,26 @@ impl Graph {
         let key: Monomial = self.factors(id).iter().map(|&(base, e)| (base, -e)).collect();
         let inverse = self.named_product(key, Node::Inverse(id));
         self.mul(numerator, inverse.scaled(denominator.k.recip()))
+    }
+
+    /// `u / |u|` is the sign of u, whose switch is known.
+    fn signed(&mut self, key: &[(Id, i32)]) -> Option<Value> {
+        let exponent = |base| key.iter().find(|f: &&(Id, i32)| f.0 == base).map_or(0, |f| f.1);
+        let (size, under, factors) = key.iter().find_map(|&(size, e)| {
+            let Node::Call(Function::abs, under, _) = *self.node(size) else { return None };
+            let factors = self.factors(under.node.filter(|_| e < 0 && under.k.is_one())?);
+            let is_whole = factors.iter().all(|&(base, f)| f > 0 && exponent(base) >= f);
+            is_whole.then_some((size, under, factors))
+        })?;
+        let change = |base| match factors.iter().find(|f| f.0 == base) {
+            _ if base == size => 1,
+            Some(f) => -f.1,
+            None => 0,
+        };
+        let rest = key.iter().map(|&(base, e)| (base, e + change(base))).filter(|f| f.1 != 0);
+        let rest: Vec<(Id, i32)> = rest.collect();
+        let (rest, sign) = (self.assemble(&rest), self.call(Function::signum, under));
+        Some(self.mul(rest, sign))
     }
 
     /// `u / √u = √u` and `√u / u = 1 / √u`, which have values where u = 0 makes the left sides 0/0.
@@ -532,6 +555,13 @@ impl Graph {
     pub fn call2(&mut self, f: Function, x: Value, y: Value) -> Value {
         if f == Function::hypot && (x.is_zero() || y.is_zero()) {
             return self.call(Function::abs, if x.is_zero() { y } else { x });
+        }
+        // A quarter turn to either side.
+        if f == Function::atan2
+            && y.is_zero()
+            && let Some(quarter_turn) = Number::named("FRAC_PI_2")
+        {
+            return self.call(Function::signum, x).scaled(quarter_turn);
         }
         if f == Function::powf && y.is_constant() {
             if let Some(n) =

@@ -105,7 +105,8 @@ impl Approach {
         if !self.is_near() {
             let time = ahead(system, at, &system.accel(&at.q, &at.qd, at.t), h);
             self.begin(at.t.to_f64(), h, Sys::Scalar::EPSILON);
-            if time == 0.0 && is_held(system, at, self.least.copysign(h)) {
+            if time == 0.0 && is_held(system, at, &system.accel(&at.q, &at.qd, at.t), self.least.copysign(h))
+            {
                 return Err(Failure::Sliding { t: at.t });
             }
             self.crossed = 1;
@@ -124,7 +125,12 @@ impl Approach {
             self.least *= 2.0;
             self.aim(self.h);
         } else {
-            return if is_held(system, at, self.h) { Err(Failure::Sliding { t: at.t }) } else { Ok(false) };
+            let accelerations = system.accel(&at.q, &at.qd, at.t);
+            return if is_held(system, at, &accelerations, self.h) {
+                Err(Failure::Sliding { t: at.t })
+            } else {
+                Ok(false)
+            };
         }
         Ok(true)
     }
@@ -407,15 +413,21 @@ where
     let time = Some(ahead(system, at, accel, h)).filter(|time| *time != 0.0)?;
     let dt = Sys::Scalar::from_f64(time);
     let there = at.moved(at.t + dt, dt, &Tangent { q: at.qd, qd: *accel });
-    is_held(system, &there, BEYOND * time).then_some(time)
+    is_held(system, &there, accel, BEYOND * time).then_some(time)
 }
 
-/// Does the motion through `at` cross a switch within the time h of it that it is led back to on both sides?
-fn is_held<Sys: System<N>, const N: usize>(system: &Sys, at: &State<Sys::Scalar, N>, h: f64) -> bool
+/// Does the motion through `at` with these accelerations cross a switch within the time h of it that it is led back to
+/// on both sides?
+fn is_held<Sys: System<N>, const N: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+    accelerations: &SVector<Sys::Scalar, N>,
+    h: f64,
+) -> bool
 where
     Sys::Scalar: Real,
 {
-    let rates = Tangent { q: at.qd, qd: system.accel(&at.q, &at.qd, at.t) };
+    let rates = Tangent { q: at.qd, qd: *accelerations };
     let sides = [-h, h].map(Sys::Scalar::from_f64).map(|h| at.moved(at.t + h, h, &rates));
     let [before, after] = sides.map(|at| system.accel(&at.q, &at.qd, at.t));
     (0..Sys::SWITCHES).any(|switch| {
@@ -488,15 +500,18 @@ where
 }
 
 /// Equal steps between two looks for a switch that holds the motion. It need not be crossed: stages on both sides of it
-/// may cancel in each step, and the motion creeps. A look goes so many steps ahead: where one of the accelerations is
-/// small, it leads back to the switch in several steps, and the other one throws the motion off before it is there.
+/// may cancel in each step, and the motion creeps. A look goes so many steps ahead, in parts of a step: where one of
+/// the accelerations is small, it leads back to the switch in several steps, and the other one throws the motion off
+/// before it is there.
 const LOOK: u64 = 16;
 const AHEAD: f64 = 8.0;
+const PART: f64 = 0.125;
+const MOST_PARTS: u32 = 256;
 
-/// Part of a step of one size, beside a switch that it crossed, at which the accelerations are looked at.
+/// Part of the way across a switch, beside it, at which the accelerations are looked at.
 const BESIDE: f64 = 1.0 / (1u64 << 20) as f64;
 
-/// Fails if a switch holds the motion that this step, one of so many equal ones, has brought to it.
+/// Fails if a switch holds the motion that this step, after so many equal ones, has brought to it.
 ///
 /// # Errors
 /// [`Failure::Sliding`].
@@ -521,26 +536,98 @@ where
 #[inline(never)]
 fn looked_at<Sys: System<N>, const N: usize>(
     system: &Sys,
-    ends: [State<Sys::Scalar, N>; 2],
+    [from, to]: [State<Sys::Scalar, N>; 2],
     h: Sys::Scalar,
 ) -> Result<(), Failure<Sys::Scalar>>
 where
     Sys::Scalar: Real,
 {
-    let [from, to] = &ends;
-    let crosses = |a: f64, b: f64| a < 0.0 && b >= 0.0 || a > 0.0 && b <= 0.0;
-    if let Some(switch) = changed(system, from, to, crosses) {
-        let rest = SVector::repeat(Scalar::zero());
-        let [a, b] = [from, to].map(|at| evaluated(system, at, &rest, switch)[0][0]);
-        if is_held(system, &between(from, to, a / (a - b)), BESIDE * h.to_f64()) {
-            return Err(Failure::Sliding { t: to.t });
-        }
+    let rest = SVector::repeat(Scalar::zero());
+    if is_held_between(system, &from, &to) {
+        return Err(Failure::Sliding { t: to.t });
     }
     let accelerations = system.accel(&to.q, &to.qd, to.t);
-    match held_within(system, to, &accelerations, AHEAD * h.to_f64()) {
-        Some(time) => Err(Failure::Sliding { t: to.t + Sys::Scalar::from_f64(time) }),
-        None => Ok(()),
+    let is_on_one = (0..Sys::SWITCHES).any(|i| evaluated(system, &to, &rest, i)[0][0] == 0.0);
+    if is_on_one && is_held(system, &to, &accelerations, BESIDE * h.to_f64()) {
+        return Err(Failure::Sliding { t: to.t });
     }
+    let whole = AHEAD * h.to_f64();
+    let time = ahead(system, &to, &accelerations, whole);
+    let (dt, beside) = (Sys::Scalar::from_f64(time), (BEYOND * time.abs()).max(BESIDE * h.to_f64().abs()));
+    let there = to.moved(to.t + dt, dt, &Tangent { q: to.qd, qd: accelerations });
+    if time == 0.0 || !is_held(system, &there, &accelerations, beside.copysign(whole)) {
+        return Ok(());
+    }
+    // By its rates alone the motion comes to a switch that holds it. Does it? Steps do not go beyond half of the way
+    // that the rates say, since one across a switch has stages on both sides of it.
+    let (mut at, mut gone) = (to, 0.0);
+    for _ in 0..MOST_PARTS {
+        let accelerations = system.accel(&at.q, &at.qd, at.t);
+        let time = ahead(system, &at, &accelerations, whole - gone);
+        if time != 0.0 && time.abs() <= BESIDE * h.to_f64().abs() {
+            let there = BESIDE * h.to_f64();
+            let dt = Sys::Scalar::from_f64(time);
+            let met = at.moved(at.t + dt, dt, &Tangent { q: at.qd, qd: accelerations });
+            return match is_held(system, &met, &accelerations, there) {
+                true => Err(Failure::Sliding { t: met.t }),
+                false => Ok(()),
+            };
+        }
+        let part = if time == 0.0 { whole - gone } else { 0.5 * time };
+        let part = part.abs().min(PART * h.to_f64().abs()).copysign(whole);
+        let next = a_part_later(system, &at, Sys::Scalar::from_f64(part));
+        if is_held_between(system, &at, &next) {
+            return Err(Failure::Sliding { t: next.t });
+        }
+        (at, gone) = (next, gone + part);
+        if gone.abs() >= whole.abs() || differ(system, &to, &at) {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// The state of the motion a short time later, by the classical step of order 4.
+fn a_part_later<Sys: System<N>, const N: usize>(
+    system: &Sys,
+    at: &State<Sys::Scalar, N>,
+    h: Sys::Scalar,
+) -> State<Sys::Scalar, N> {
+    let rates = |at: &State<_, N>| Tangent { q: at.qd, qd: system.accel(&at.q, &at.qd, at.t) };
+    let [half, sixth] = [0.5, 1.0 / 6.0].map(|part| h * Sys::Scalar::from_f64(part));
+    let first = rates(at);
+    let second = rates(&at.moved(at.t + half, half, &first));
+    let third = rates(&at.moved(at.t + half, half, &second));
+    let fourth = rates(&at.moved(at.t + h, h, &third));
+    let sum = |a: SVector<_, N>, b: SVector<_, N>, c: SVector<_, N>, d: SVector<_, N>| a + b + b + c + c + d;
+    let mean = Tangent {
+        q: sum(first.q, second.q, third.q, fourth.q),
+        qd: sum(first.qd, second.qd, third.qd, fourth.qd),
+    };
+    at.moved(at.t + h, sixth, &mean)
+}
+
+/// Do the accelerations on both sides of a switch between two states lead back to it?
+fn is_held_between<Sys: System<N>, const N: usize>(
+    system: &Sys,
+    from: &State<Sys::Scalar, N>,
+    to: &State<Sys::Scalar, N>,
+) -> bool
+where
+    Sys::Scalar: Real,
+{
+    let rest = SVector::repeat(Scalar::zero());
+    let h = (to.t - from.t).to_f64();
+    (0..Sys::SWITCHES).any(|switch| {
+        let [a, b] = [from, to].map(|at| evaluated(system, at, &rest, switch)[0][0]);
+        if !(a < 0.0 && b >= 0.0 || a > 0.0 && b <= 0.0) {
+            return false;
+        }
+        let part = a / (a - b);
+        let sides = [part - BESIDE, part + BESIDE].map(|part| between(from, to, part));
+        let [before, after] = [&sides[0], &sides[1]].map(|at| system.accel(&at.q, &at.qd, at.t));
+        is_led_back(system, [&sides[0], &sides[1]], [&before, &after], switch, h)
+    })
 }
 
 /// The state at a part of the straight line from one to another.

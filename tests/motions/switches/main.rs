@@ -621,6 +621,88 @@ fn friction_that_holds_is_named_in_equal_steps() {
     assert!((failed.last.q[0] - 0.2).abs() < 1e-3);
 }
 
+lagrangian! {
+    /// A block whose friction has three values.
+    system Three {
+        param mu = 2.943;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0;
+        Q[x] = -mu * if dot(x) > 0 { 1 } else if dot(x) < 0 { -1 } else { 0 };
+    }
+}
+
+lagrangian! {
+    /// Two blocks that rub.
+    system Two {
+        param mu = 2.943;
+        coord x, y;
+        let friction = mu * signum(dot(x) - dot(y));
+        T = 0.5 * (dot(x).powi(2) + dot(y).powi(2));
+        V = 0;
+        Q[x] = -friction;
+        Q[y] = friction;
+    }
+}
+
+lagrangian! {
+    /// A block on a spring, on a belt.
+    system OnABelt {
+        param k = 100.0, v = 0.2, mu = 2.943;
+        coord x;
+        T = 0.5 * dot(x).powi(2);
+        V = 0.5 * k * x.powi(2);
+        Q[x] = -mu * signum(dot(x) - v);
+    }
+}
+
+/// Friction that holds exactly at velocity 0, of several values and between bodies, in equal steps; and a block that is
+/// always slower than its belt.
+#[test]
+fn friction_at_rest_and_friction_that_is_not_reached() {
+    fn slides<const N: usize>(
+        end: Result<State<f64, N>, lagrange_runtime::integrate::Failed<f64, N>>,
+    ) -> f64 {
+        let failed = end.expect_err("it holds");
+        let Failure::Sliding { t } = failed.failure else { panic!("{failed}") };
+        t
+    }
+    macro_rules! holds {
+        ($method:expr, $h:expr) => {
+            let at_rest = State::new(0.0, [0.0], [0.0]);
+            let (block, two, three) = (Block::new(0.0, 2.943), Two::default(), Three::default());
+            assert!(
+                slides(integrate(&block, $method, FixedStep::new($h), at_rest).until(100.0).final_state())
+                    < 20.0 * $h
+            );
+            let together = State::new(0.0, [0.0, 0.0], [1.0, 1.0]);
+            let end = integrate(&two, $method, FixedStep::new($h), together).until(100.0);
+            assert!(slides(end.final_state()) < 20.0 * $h);
+            for v in [0.5, 1.0, 1.2113, 2.0] {
+                let start = State::new(0.0, [0.0], [v]);
+                let end = integrate(&three, $method, FixedStep::new($h), start).until(100.0);
+                let t = slides(end.final_state());
+                assert!((t - v / 2.943).abs() < 40.0 * $h, "{}: {t}", stringify!($method));
+            }
+        };
+    }
+    holds!(Rk4, 0.001);
+    holds!(Rk4, 0.003);
+    holds!(Rk4, 0.01);
+    holds!(DormandPrince5, 0.01);
+    holds!(lagrange_runtime::method::explicit_rk::Heun, 0.003);
+    // x = F/k + (v₀/ω) sin ωt below the velocity of the belt.
+    for (h, v0) in [(0.05, 0.1), (0.05, 0.19), (0.02, 0.199), (0.01, 0.1999), (0.005, 0.19999)] {
+        let start = State::new(0.0, [2.943 / 100.0], [v0]);
+        let end = integrate(&OnABelt::default(), Dop853, FixedStep::new(h), start).until(20.0).final_state();
+        assert!((end.unwrap().qd[0] - v0 * 200.0_f64.cos()).abs() < 1e-4, "{h}");
+        if h < 0.05 {
+            let end = integrate(&OnABelt::default(), Rk4, FixedStep::new(h), start).until(20.0).final_state();
+            assert!((end.unwrap().qd[0] - v0 * 200.0_f64.cos()).abs() < 0.1, "{h}");
+        }
+    }
+}
+
 /// Friction that clearly holds is named in time, whatever the tolerance: near the end velocities are below it, and
 /// stages are thrown to and fro.
 fn holds<M>(method: M)

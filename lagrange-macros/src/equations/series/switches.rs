@@ -8,6 +8,9 @@
 use crate::equations::common::is_number;
 use crate::graph::{Comparison, Function, Graph, Id, Node, Symbol, Value};
 
+/// Terms of a sum that are looked at for their denominators.
+const MAX_TERMS: usize = 64;
+
 /// A function at whose sign changes values jump or have kinks.
 pub struct Switch {
     pub value: Value,
@@ -47,7 +50,7 @@ pub fn sided(g: &mut Graph, roots: &[Value], others: &[Value]) -> (Vec<Value>, V
             Some(g.select(*comparison, sign, Value::ZERO, yes, no))
         }
         // The same function on both sides, whose series goes on as if there were no jump.
-        Node::Call(f @ (Function::atan2 | Function::atan | Function::tanh), x, other) => {
+        Node::Call(f @ (Function::atan2 | Function::atan | Function::tanh | Function::exp), x, other) => {
             let [x, other] = [x, other].map(|v| of(*v));
             let cut = branch(g, *f, x, other)?;
             sign(g, &mut switches, cut)?;
@@ -121,21 +124,38 @@ pub fn choices(g: &mut Graph, roots: &[Value]) -> Vec<(Value, Vec<Value>)> {
 }
 
 /// The function at whose sign changes one of these functions jumps from branch to branch: y of `atan2(y, x)`, if x may
-/// be negative, and the denominator of the argument of `atan` and `tanh`.
+/// be negative, and the denominators in the argument of the others, which have a limit at each end.
 fn branch(g: &mut Graph, f: Function, x: Value, other: Value) -> Option<Value> {
     match f {
         Function::atan2 => {
             let is_right = !other.k.is_negative() && other.node.is_none_or(|id| g.is_never_negative(id));
             (!is_right).then_some(x)
         }
-        Function::atan | Function::tanh => {
-            let factors = g.factors(x.node?);
-            let changes = |f: &&(Id, i32)| f.1 < 0 && f.1 % 2 != 0 && !g.is_never_negative(f.0);
-            let below: Vec<(Id, i32)> = factors.iter().filter(changes).map(|f| (f.0, 1)).collect();
+        Function::atan | Function::tanh | Function::exp => {
+            let below: Vec<(Id, i32)> = poles(g, x).into_iter().map(|base| (base, 1)).collect();
             (!below.is_empty()).then(|| g.assemble(&below))
         }
         _ => None,
     }
+}
+
+/// The denominators of the terms of a sum, as far as they may change their signs.
+fn poles(g: &Graph, sum: Value) -> Vec<Id> {
+    let (mut found, mut terms): (Vec<Id>, Vec<Id>) = (Vec::new(), sum.node.into_iter().collect());
+    for _ in 0..MAX_TERMS {
+        let Some(term) = terms.pop() else { break };
+        if let Node::Sum(a, b) = g.node(term) {
+            terms.extend([a, b].into_iter().filter_map(|v| v.node));
+            continue;
+        }
+        for &(base, e) in g.factors(term).iter() {
+            if e < 0 && e % 2 != 0 && !g.is_never_negative(base) && !found.contains(&base) {
+                found.push(base);
+            }
+        }
+    }
+    found.sort_unstable();
+    found
 }
 
 /// The function that is negative where a switch decides anything, if all that it decides are cuts of `atan2(y, x)`:
