@@ -525,7 +525,7 @@ pub(super) fn not_held<Sys: System<N>, const N: usize>(
 where
     Sys::Scalar: Real,
 {
-    if !Sys::HOLDS || count % LOOK != 0 {
+    if !Sys::HOLDS || !count.is_multiple_of(LOOK) {
         return Ok(());
     }
     looked_at(system, [*from, *to], h)
