@@ -691,7 +691,9 @@ where
         if Self::DEPENDENT && (self.across != [false; 2] || Sys::Scalar::SLOPES > 0) {
             self.gets_across(system, &step)?;
         }
-        not_held(system, [&step.from, &step.to], h, self.statistics.accepted)?;
+        if !self.method.ends_at_switches() {
+            not_held(system, [&step.from, &step.to], h, self.statistics.accepted)?;
+        }
         let step = self.commit(system, step, next_memory);
         if last {
             self.change(Status::Driven);

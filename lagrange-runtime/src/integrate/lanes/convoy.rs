@@ -514,7 +514,9 @@ where
                 }
                 any = arrived.contains(&true);
             }
-            if const { <Packed<Sys, P, A, N> as System<N>>::HOLDS } {
+            if const { <Packed<Sys, P, A, N> as System<N>>::HOLDS }
+                && !<M as Method<Packed<Sys, P, A, N>, N>>::ends_at_switches(method)
+            {
                 for i in 0..LANES {
                     let Some(Occupant { job, .. }) = &pack.occupants[i] else { continue };
                     if !accepted[i] {
