@@ -112,6 +112,9 @@ pub fn impulses(g: &mut Graph, model: &Model, formed: &Formed, errors: &mut Erro
 /// The function that is negative where a switch decides anything, if it does not everywhere: less than 0 by the jump of
 /// the values, or of `atan2(y, x)` the x.
 fn where_decided(g: &mut Graph, values: &[Value], switch: Value, decided: &[Value]) -> Option<Value> {
+    // (L may jump with time.)
+    let moves = g.depends(&[switch], |symbol| matches!(symbol, Symbol::Coordinate(_)));
+    let values = &values[..values.len() - usize::from(!moves)];
     let mut least: Option<Value> = None;
     for choice in decided {
         let sides = match g.node(choice.node?) {
@@ -123,9 +126,6 @@ fn where_decided(g: &mut Graph, values: &[Value], switch: Value, decided: &[Valu
                 continue;
             }
         };
-        // (L may jump with time.)
-        let moves = g.depends(&[switch], |symbol| matches!(symbol, Symbol::Coordinate(_)));
-        let values = &values[..values.len() - usize::from(!moves)];
         let [one, other] =
             sides.map(|side| g.replace(values, |id, _| (Some(id) == choice.node).then_some(side)));
         let mut jumps = Vec::new();

@@ -411,9 +411,17 @@ where
     Sys::Scalar: Real,
 {
     let time = Some(ahead(system, at, accel, h)).filter(|time| *time != 0.0)?;
-    let dt = Sys::Scalar::from_f64(time);
-    let there = at.moved(at.t + dt, dt, &Tangent { q: at.qd, qd: *accel });
-    is_held(system, &there, accel, BEYOND * time).then_some(time)
+    is_held(system, &by_rates(at, accel, time), accel, BEYOND * time).then_some(time)
+}
+
+/// The state after a time by the rates alone.
+fn by_rates<S: Real, const N: usize>(
+    at: &State<S, N>,
+    accelerations: &SVector<S, N>,
+    time: f64,
+) -> State<S, N> {
+    let time = S::from_f64(time);
+    at.moved(at.t + time, time, &Tangent { q: at.qd, qd: *accelerations })
 }
 
 /// Does the motion through `at` with these accelerations cross a switch within the time h of it that it is led back to
@@ -427,8 +435,7 @@ fn is_held<Sys: System<N>, const N: usize>(
 where
     Sys::Scalar: Real,
 {
-    let rates = Tangent { q: at.qd, qd: *accelerations };
-    let sides = [-h, h].map(Sys::Scalar::from_f64).map(|h| at.moved(at.t + h, h, &rates));
+    let sides = [-h, h].map(|h| by_rates(at, accelerations, h));
     let [before, after] = sides.map(|at| system.accel(&at.q, &at.qd, at.t));
     (0..Sys::SWITCHES).any(|switch| {
         let [a, b] = [&sides[0], &sides[1]].map(|at| evaluated(system, at, &before, switch)[0][0]);
@@ -490,13 +497,15 @@ pub(super) fn needs_impulse<Sys: System<N>, const N: usize>(
 where
     Sys::Scalar: Real,
 {
-    let rest = SVector::repeat(Scalar::zero());
-    (0..Sys::IMPULSES).any(|switch| {
-        let [a, b] = [from, to].map(|at| evaluated(system, at, &rest, switch)[0][0]);
-        (a < 0.0 && b >= 0.0 || a > 0.0 && b <= 0.0) && {
-            system.decides(switch, &between(from, to, a / (a - b)))
-        }
-    })
+    let acts = |switch: usize, a: f64, b: f64| {
+        switch < Sys::IMPULSES && crosses(a, b) && system.decides(switch, &between(from, to, a / (a - b)))
+    };
+    found(system, from, to, acts).is_some()
+}
+
+/// Is the side of the first of these values left, be it onto the switch itself?
+fn crosses(a: f64, b: f64) -> bool {
+    a < 0.0 && b >= 0.0 || a > 0.0 && b <= 0.0
 }
 
 /// Equal steps between two looks for a switch that holds the motion. It need not be crossed: stages on both sides of it
@@ -542,33 +551,29 @@ fn looked_at<Sys: System<N>, const N: usize>(
 where
     Sys::Scalar: Real,
 {
-    let rest = SVector::repeat(Scalar::zero());
     if is_held_between(system, &from, &to) {
         return Err(Failure::Sliding { t: to.t });
     }
     let accelerations = system.accel(&to.q, &to.qd, to.t);
-    let is_on_one = (0..Sys::SWITCHES).any(|i| evaluated(system, &to, &rest, i)[0][0] == 0.0);
-    if is_on_one && is_held(system, &to, &accelerations, BESIDE * h.to_f64()) {
+    let [whole, beside] = [AHEAD, BESIDE].map(|steps| steps * h.to_f64());
+    let is_on_one = changed(system, &to, &to, |g, _| g == 0.0).is_some();
+    if is_on_one && is_held(system, &to, &accelerations, beside) {
         return Err(Failure::Sliding { t: to.t });
     }
-    let whole = AHEAD * h.to_f64();
     let time = ahead(system, &to, &accelerations, whole);
-    let (dt, beside) = (Sys::Scalar::from_f64(time), (BEYOND * time.abs()).max(BESIDE * h.to_f64().abs()));
-    let there = to.moved(to.t + dt, dt, &Tangent { q: to.qd, qd: accelerations });
-    if time == 0.0 || !is_held(system, &there, &accelerations, beside.copysign(whole)) {
+    let around = (BEYOND * time.abs()).max(beside.abs()).copysign(whole);
+    if time == 0.0 || !is_held(system, &by_rates(&to, &accelerations, time), &accelerations, around) {
         return Ok(());
     }
-    // By its rates alone the motion comes to a switch that holds it. Does it? Steps do not go beyond half of the way
-    // that the rates say, since one across a switch has stages on both sides of it.
+    // By its rates alone the motion comes to a switch that holds it; its parts tell whether it does. They do not go
+    // beyond half of the way that the rates say, since one across a switch has stages on both sides of it.
     let (mut at, mut gone) = (to, 0.0);
     for _ in 0..MOST_PARTS {
         let accelerations = system.accel(&at.q, &at.qd, at.t);
         let time = ahead(system, &at, &accelerations, whole - gone);
-        if time != 0.0 && time.abs() <= BESIDE * h.to_f64().abs() {
-            let there = BESIDE * h.to_f64();
-            let dt = Sys::Scalar::from_f64(time);
-            let met = at.moved(at.t + dt, dt, &Tangent { q: at.qd, qd: accelerations });
-            return match is_held(system, &met, &accelerations, there) {
+        if time != 0.0 && time.abs() <= beside.abs() {
+            let met = by_rates(&at, &accelerations, time);
+            return match is_held(system, &met, &accelerations, beside) {
                 true => Err(Failure::Sliding { t: met.t }),
                 false => Ok(()),
             };
@@ -616,18 +621,17 @@ fn is_held_between<Sys: System<N>, const N: usize>(
 where
     Sys::Scalar: Real,
 {
-    let rest = SVector::repeat(Scalar::zero());
     let h = (to.t - from.t).to_f64();
-    (0..Sys::SWITCHES).any(|switch| {
-        let [a, b] = [from, to].map(|at| evaluated(system, at, &rest, switch)[0][0]);
-        if !(a < 0.0 && b >= 0.0 || a > 0.0 && b <= 0.0) {
+    let holds = |switch: usize, a: f64, b: f64| {
+        if !crosses(a, b) {
             return false;
         }
         let part = a / (a - b);
         let sides = [part - BESIDE, part + BESIDE].map(|part| between(from, to, part));
         let [before, after] = [&sides[0], &sides[1]].map(|at| system.accel(&at.q, &at.qd, at.t));
         is_led_back(system, [&sides[0], &sides[1]], [&before, &after], switch, h)
-    })
+    };
+    found(system, from, to, holds).is_some()
 }
 
 /// The state at a part of the straight line from one to another.
@@ -688,10 +692,23 @@ fn changed<Sys: System<N>, const N: usize>(
 where
     Sys::Scalar: Real,
 {
+    found(system, from, to, |_, a, b| condition(a, b))
+}
+
+/// The same by its index, too.
+fn found<Sys: System<N>, const N: usize>(
+    system: &Sys,
+    from: &State<Sys::Scalar, N>,
+    to: &State<Sys::Scalar, N>,
+    condition: impl Fn(usize, f64, f64) -> bool,
+) -> Option<usize>
+where
+    Sys::Scalar: Real,
+{
     (0..Sys::SWITCHES).step_by(TOGETHER).find_map(|begin| {
         let of = |at| evaluated(system, at, &SVector::repeat(Scalar::zero()), begin);
         let (a, b) = (of(from), of(to));
-        a.iter().zip(&b).position(|(a, b)| condition(a[0], b[0])).map(|i| begin + i)
+        (0..TOGETHER).find(|i| condition(begin + i, a[*i][0], b[*i][0])).map(|i| begin + i)
     })
 }
 

@@ -1,4 +1,5 @@
-// Pairs that do not fit: a controller and its method, coefficients and a method, a linear model and a system.
+// Pairs that do not fit: a controller and its method, coefficients and a method, a linear model and a system; and
+// numbers and fields that do not.
 
 use lagrange_runtime::analysis::StateSpace;
 use lagrange_runtime::prelude::*;
@@ -32,6 +33,21 @@ pub fn coefficients_for_a_method() {
 // A system without inputs has no B.
 pub fn a_linear_model_without_inputs() {
     let _ = StateSpace::about(&Pendulum::new(1.0), &START());
+}
+
+// A parameter with a default is no argument of `new`.
+pub fn a_default_as_an_argument() {
+    let _ = Pendulum::new(1.0, 9.81);
+}
+
+// A structure has all parameters.
+pub fn a_parameter_is_missing() {
+    let _ = Pendulum { l: 1.0 };
+}
+
+// Rust does not take an integer for a number.
+pub fn integers() {
+    let _ = Pendulum::new(1);
 }
 
 fn main() {}
