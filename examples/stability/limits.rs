@@ -110,7 +110,7 @@ fn measure<Sys: Lagrangian<1, Scalar = f64>, M: Method<Sys, 1>>(
     let image = |q: f64, qd: f64, h: f64| -> Result<[f64; 2], Failure> {
         let from = State::new(0.0, [q], [qd]);
         let memory = method.start(system, &from)?;
-        let step = method.step(system, &memory, &from, h, &mut memory.clone())?;
+        let (step, _) = method.step(system, &memory, &from, h)?;
         Ok([step.to.q[0], step.to.qd[0]])
     };
     let matrix = |h: f64| -> Result<Matrix, Failure> { Ok([image(1.0, 0.0, h)?, image(0.0, 1.0, h)?]) };

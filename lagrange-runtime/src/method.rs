@@ -97,10 +97,11 @@ pub(crate) use across::steps_across;
 /// # }
 /// let start = State::new(0.0, [1.0], [0.0]);
 /// let memory = Dop853.start(&Oscillator, &start)?;
-/// let mut next = memory;
-/// let step = Dop853.step(&Oscillator, &memory, &start, 0.1, &mut next)?;
+/// let (step, next) = Dop853.step(&Oscillator, &memory, &start, 0.1)?;
 /// let middle = Dop853.interpolant(&Oscillator, &step).at(0.05);
 /// assert!((middle.q[0] - 0.05f64.cos()).abs() < 1e-14);
+/// let (second, _) = Dop853.step(&Oscillator, &next, &step.to, 0.1)?;
+/// assert!((second.to.q[0] - 0.2f64.cos()).abs() < 1e-14);
 /// # Ok::<(), Failure>(())
 /// ```
 ///
@@ -186,10 +187,23 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
         self.start(system, at)
     }
 
-    /// One step of size `h` (negative: backward in time) from `from`, whose memory is `memory`. It may end earlier,
-    /// where the equations switch. Into `next` goes what the step after it needs to know; it may be large, and is
-    /// written where it stays. Of a step that fails it is worth nothing.
+    /// One step of size `h` (negative: backward in time) from `from`, whose memory is `memory`, and the memory of the
+    /// step after it. A step may end earlier, where the equations switch.
     fn step(
+        &self,
+        system: &Sys,
+        memory: &Self::MethodState,
+        from: &State<Sys::Scalar, N>,
+        h: Sys::Scalar,
+    ) -> Result<(Step<Sys, Self, N>, Self::MethodState), Failure<Sys::Scalar>> {
+        let mut next = memory.clone();
+        let step = self.step_into(system, memory, from, h, &mut next)?;
+        Ok((step, next))
+    }
+
+    /// [`step`](Self::step) that writes the memory of the step after it to `next`, where it stays: it may be large. A
+    /// step that fails leaves a memory that is not valid.
+    fn step_into(
         &self,
         system: &Sys,
         memory: &Self::MethodState,
@@ -212,7 +226,7 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
         from: &State<Sys::Scalar, N>,
         h: Sys::Scalar,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
-        self.step(system, memory, from, h, &mut memory.clone())
+        Ok(self.step(system, memory, from, h)?.0)
     }
 
     /// The interpolant of a step. It is computed on demand, since it may cost evaluations of its own, see
@@ -245,7 +259,7 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
     where
         Sys::Scalar: Real,
     {
-        self.step(across.system, memory, from, h, next)
+        self.step_into(across.system, memory, from, h, next)
     }
 
     /// [`interpolant`](Self::interpolant) of a [`step_across`](Self::step_across).

@@ -148,7 +148,7 @@ where
         }
         let from = State { t, q, qd: system.velocities(&q, &p, t) };
         let memory = method.start(system, &from)?;
-        let to = method.step(system, &memory, &from, Dual::constant(h), &mut memory.clone())?.to;
+        let to = method.step(system, &memory, &from, Dual::constant(h))?.0.to;
         let p = system.momenta(&to.q, &to.qd, to.t);
         Ok([SVector::from_fn(|k, _| to.q[k].slope), SVector::from_fn(|k, _| p[k].slope)])
     };

@@ -168,9 +168,8 @@ pub(super) fn land<D: Drive<N>, const N: usize>(
     }
     if g(&landed).infinitesimal().magnitude() > 0.0 {
         let state = |x: Number<D, N>| {
-            let mut next = stepped.memory.clone();
-            let step = engine.method.step(system, &stepped.memory, &from, x * h, &mut next);
-            step.map_or(from, |step| step.to)
+            let step = engine.method.step(system, &stepped.memory, &from, x * h);
+            step.map_or(from, |(step, _)| step.to)
         };
         if let Some(place) = with_slopes(x, slope, state, g) {
             let (step, _) = engine.attempt_from(system, &stepped.memory, &from, place * h)?;

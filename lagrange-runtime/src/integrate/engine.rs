@@ -928,7 +928,7 @@ where
     let mut attempted = if UNSEEN && M::HAS_LAST_STEP && last {
         method.last_step(system, memory, from, h)
     } else {
-        method.step(system, memory, from, h, next)
+        method.step_into(system, memory, from, h, next)
     };
     if let Ok(step) = &mut attempted {
         let sound = if step.to.is_finite() {

@@ -5,7 +5,7 @@
 //! run ends, well or not, takes the next one.
 //!
 //! `lanes/job.rs` has what is to be done, `lanes/pack.rs` the lanes and the runs in them, `lanes/convoy.rs` their
-//! loop, `lanes/course.rs` the motion within their steps.
+//! loop, `lanes/round.rs` one step of all of them, `lanes/course.rs` the motion within their steps.
 
 use crate::controller::Controller;
 use crate::lanes::{LaneController, Lanewise, Level, Observer, Policy, Processor, Rescale};
@@ -18,6 +18,7 @@ mod convoy;
 mod course;
 mod job;
 mod pack;
+mod round;
 
 /// Methods that run in lanes. In those that iterate until a condition holds (Gauss, variational, Radau, projection;
 /// and constraints do) a lane waits for its neighbours.

@@ -100,7 +100,7 @@ macro_rules! steps_across {
         where
             Sys::Scalar: $crate::Real,
         {
-            let step = $crate::method::Method::step(self, across, memory, from, h, next)?;
+            let step = $crate::method::Method::step_into(self, across, memory, from, h, next)?;
             let $crate::method::Step { from, to, h, error, stages, evaluations } = step;
             Ok($crate::method::Step { from, to, h, error, stages, evaluations })
         }

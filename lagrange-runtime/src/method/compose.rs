@@ -124,7 +124,7 @@ where
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn step(
+    fn step_into(
         &self,
         system: &Sys,
         memory: &Self::MethodState,
@@ -134,7 +134,7 @@ where
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
         let (mut to, mut memory, mut evaluations) = (*from, memory.clone(), 0);
         for &gamma in Row::GAMMA {
-            let step = self.0.step(system, &memory, &to, h * gamma.to(), next)?;
+            let step = self.0.step_into(system, &memory, &to, h * gamma.to(), next)?;
             (to, memory) = (step.to, next.clone());
             evaluations += step.evaluations;
         }

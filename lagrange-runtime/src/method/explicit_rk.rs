@@ -130,7 +130,7 @@ pub struct $name;
             // them, at up to twice the cost of the whole step.
             #[cfg_attr(not(debug_assertions), inline(always))]
             #[allow(unused_assignments)]
-            fn step(
+            fn step_into(
                 &self,
                 system: &Sys,
                 memory: &Self::MethodState,

@@ -121,7 +121,7 @@ where
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn step(
+    fn step_into(
         &self,
         _: &Sys,
         memory: &Self::MethodState,

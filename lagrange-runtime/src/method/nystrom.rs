@@ -120,7 +120,7 @@ pub struct $name;
 
             #[cfg_attr(not(debug_assertions), inline(always))]
             #[allow(unused_assignments)]
-            fn step(
+            fn step_into(
                 &self,
                 system: &Sys,
                 memory: &Self::MethodState,

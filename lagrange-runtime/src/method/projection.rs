@@ -95,7 +95,7 @@ where
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn step(
+    fn step_into(
         &self,
         system: &Sys,
         memory: &Self::MethodState,
@@ -104,7 +104,7 @@ where
         next: &mut Self::MethodState,
     ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
         let (next, invariants) = (&mut next.0, &mut next.1);
-        let inner = self.0.step(system, &memory.0, from, h, next)?;
+        let inner = self.0.step_into(system, &memory.0, from, h, next)?;
         *invariants = memory.1;
         // What is not finite stays so: the run rejects it.
         let (to, iterations) =

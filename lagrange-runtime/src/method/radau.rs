@@ -179,7 +179,7 @@ where
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn step(
+    fn step_into(
         &self,
         system: &Sys,
         memory: &Self::MethodState,

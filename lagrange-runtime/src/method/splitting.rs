@@ -74,7 +74,7 @@ where
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn step(
+    fn step_into(
         &self,
         system: &Sys,
         memory: &Self::MethodState,
@@ -115,7 +115,7 @@ where
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn step(
+    fn step_into(
         &self,
         system: &Sys,
         _: &(),
@@ -202,7 +202,7 @@ mod tests {
     #[test]
     fn a_step_is_interpolated_through_its_ends() {
         let system = Plane::default();
-        let step = PositionVerlet.step(&system, &(), &ELLIPSE, 0.1, &mut ()).unwrap();
+        let (step, _) = PositionVerlet.step(&system, &(), &ELLIPSE, 0.1).unwrap();
         let dense = PositionVerlet.interpolant(&system, &step);
         assert!(distance(&dense.at(0.0), &step.from) < 1e-15 && distance(&dense.at(0.1), &step.to) < 1e-14);
     }

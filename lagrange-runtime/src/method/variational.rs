@@ -108,7 +108,7 @@ pub struct $name;
             }
 
             #[cfg_attr(not(debug_assertions), inline(always))]
-            fn step(
+            fn step_into(
                 &self,
                 system: &Sys,
                 memory: &Self::MethodState,

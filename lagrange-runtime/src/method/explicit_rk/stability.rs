@@ -191,8 +191,7 @@ mod tests {
         let (method, mut state) = (M::default(), start);
         let mut memory = method.start(&system, &state).unwrap();
         for _ in 0..200 {
-            let mut next = memory.clone();
-            let step = method.step(&system, &memory, &state, h, &mut next).unwrap();
+            let (step, next) = method.step(&system, &memory, &state, h).unwrap();
             (state, memory) = (step.to, next);
         }
         size(&state) / size(&start)

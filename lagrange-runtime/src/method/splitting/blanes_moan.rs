@@ -69,7 +69,7 @@ macro_rules! splittings {
             }
 
             #[cfg_attr(not(debug_assertions), inline(always))]
-            fn step(
+            fn step_into(
                 &self,
                 system: &Sys,
                 memory: &Self::MethodState,
