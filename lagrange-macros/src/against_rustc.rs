@@ -66,6 +66,7 @@ impl Numbers for Vec<f64> { fn numbers(self) -> Vec<f64> { self } }
 impl Numbers for Vec<&f64> { fn numbers(self) -> Vec<f64> { self.into_iter().copied().collect() } }
 impl Numbers for &Vec<f64> { fn numbers(self) -> Vec<f64> { self.clone() } }
 impl Numbers for Vec<i64> { fn numbers(self) -> Vec<f64> { self.into_iter().map(|n| n as f64).collect() } }
+fn kept<T>(value: T) -> &'static T { Box::leak(Box::new(value)) }
 fn pairs(a: impl Numbers, b: impl Numbers) -> Vec<(f64, f64)> {
     let (a, b) = (a.numbers(), b.numbers()); assert_eq!(a.len(), b.len()); a.into_iter().zip(b).collect()
 }
@@ -118,9 +119,10 @@ fn of_the_language(text: &str) -> Option<Values> {
     }))
 }
 
-/// The first value, and how far the others are from it.
+/// The first value, and how far the others are from it: without a bound if one of them is none.
 fn spread(values: [f64; NOISE.len()]) -> (f64, f64) {
-    (values[0], values.iter().map(|v| (v - values[0]).abs()).fold(0.0, f64::max))
+    let furthest = values.iter().map(|v| (v - values[0]).abs()).fold(0.0, f64::max);
+    (values[0], if values.iter().any(|v| v.is_nan()) { f64::INFINITY } else { furthest })
 }
 
 /// rustc's verdicts on functions: of those that it accepts, their values, `None` where they panic.
@@ -223,7 +225,7 @@ struct Count {
 }
 
 /// Expressions that were once compiled to something else than in Rust, or accepted without a reason.
-const FOUND: [&str; 19] = [
+const FOUND: [&str; 24] = [
     "0.5 * x * *2.0",
     "3x",
     "2m",
@@ -243,6 +245,11 @@ const FOUND: [&str; 19] = [
     "([3.0, x] * &y).norm()",
     "if 1 > 2 { unknown } else { x }",
     "-2.0_f64.powi(2) + (7 % 3) as f64 - (-7 % 3) as f64",
+    "{ let self = z; z }",
+    "{ let N: f64 = y; x } + -y",
+    "[z, x].into_iter().map(|v| v * [a[0]]).sum()[0]",
+    "(0.0_f64).atan2(0.0) * x",
+    "[x, y].map(|self| self * 2.0)[0]",
 ];
 
 /// Compares expressions.

@@ -64,7 +64,8 @@ pub struct FirstOrder {
 }
 
 /// Prefixes to the name of a rotation in the names of the functions that read and set it.
-pub const ATTITUDE_FUNCTIONS: [&str; 3] = ["attitude_", "angular_velocity_", "with_attitude_"];
+pub const ATTITUDE_FUNCTIONS: [&str; 4] =
+    ["attitude_", "angular_velocity_", "angular_acceleration_", "with_attitude_"];
 
 /// The same for a direction.
 pub const DIRECTION_FUNCTIONS: [&str; 2] = ["direction_", "with_direction_"];

@@ -15,7 +15,7 @@
 //! Wiener, *Theoretical analysis of gimballess inertial reference equipment*, 1962; Marandi and Modi, *Acta
 //! Astronautica* 15, 1987; Schaub and Junkins, *J. Astronaut. Sci.* 44, 1996.
 
-use crate::scalar::{Real, Scalar};
+use crate::scalar::{Dual, Real, Scalar};
 use nalgebra::{Quaternion, Unit, UnitQuaternion, Vector3};
 
 /// |σ|² beyond which the next step begins with the other parameters of the same attitude, a turn of 203°: far from the
@@ -46,6 +46,17 @@ pub(crate) fn parameters<S: Real>(attitude: &UnitQuaternion<S>) -> Vector3<S> {
     let length = (x * x + y * y + z * z + w * w).sqrt();
     let under = if w < S::zero() { w - length } else { w + length };
     Vector3::new(x / under, y / under, z / under)
+}
+
+/// Angular acceleration in the turned axes, where the parameters have these second derivatives.
+pub(crate) fn angular_acceleration<S: Scalar>(
+    sigma: &Vector3<S>,
+    rate: &Vector3<S>,
+    second: &Vector3<S>,
+) -> Vector3<S> {
+    let moving =
+        |of: &Vector3<S>, slope: &Vector3<S>| of.zip_map(slope, |value, slope| Dual { value, slope });
+    angular_velocity(&moving(sigma, rate), &moving(rate, second)).map(|component| component.slope)
 }
 
 /// σ̇ for an angular velocity in the turned axes.
@@ -89,4 +100,5 @@ fn cross<S: Scalar>(a: &Vector3<S>, b: &Vector3<S>) -> Vector3<S> {
     }))
 }
 
+pub(crate) mod euler;
 pub(crate) mod steps;

@@ -55,7 +55,7 @@
 /// | `input u, tau: [N] = 0;` | [inputs](#inputs), 0 by default: held within a step, changed between steps ([`Stepper`](crate::Stepper)); `∂q̈/∂u` is emitted |
 /// | `coord theta, x: [N];` | generalized coordinates, in the order of all vectors |
 /// | `coord theta: angle, r: length, phi: [angle; N];` | the same with what they measure, for display: [`State::wrapped`](crate::State::wrapped) |
-/// | `coord R: rotation, P: [rotation; N];` | attitudes in space without singular ones, of three [parameters](#rotations-as-coordinates) each; read and set as quaternions by `attitude_R(&state)`, `angular_velocity_R(&state)` and `with_attitude_R(state, &attitude, &omega)` (of arrays with an index first) |
+/// | `coord R: rotation, P: [rotation; N];` | attitudes in space without singular ones, of three [parameters](#rotations-as-coordinates) each; read and set as quaternions by `attitude_R(&state)`, `angular_velocity_R(&state)`, `angular_acceleration_R(&state)` and `with_attitude_R(state, &attitude, &omega)` (of arrays with an index first) |
 /// | `coord n: direction, p: [direction; N];` | points of the unit sphere: [vectors of length 1](#directions-as-coordinates) with two degrees of freedom each; read and set by `direction_n(&state)` and `with_direction_n(state, &direction, &velocity)` (of arrays with an index first) |
 /// | `coord phi = omega * t;` | a prescribed coordinate: a given motion, no unknown; what enforces it is `reaction(phi)` |
 /// | `state i: [M] = 0; rate(i) = …;` | [states](#states) of first order, ż = r(q, q̇, z, t), beside the coordinates, with their values at the start |
@@ -96,8 +96,8 @@
 /// | coordinates | Rodrigues' modified parameters σ = n tan(θ/4) of a turn by θ about the unit vector n |
 /// | velocities | σ̇ |
 ///
-/// nalgebra converts a [`UnitQuaternion`](crate::traits::UnitQuaternion) from and to an axis with an angle, a matrix
-/// and Euler angles.
+/// nalgebra converts a [`UnitQuaternion`](crate::traits::UnitQuaternion) from and to an axis with an angle and a
+/// matrix, and [`EulerAngles`](crate::traits::rotation::EulerAngles) Euler's angles in any order of axes.
 ///
 /// σ and −σ/|σ|² are the same attitude. A run may change between them after a step, never within one: compare
 /// attitudes, not parameters. An event on a parameter also occurs where it jumps, so make events of the attitude, such

@@ -204,8 +204,9 @@ pub mod traits {
     pub use crate::restricted::{NotHeld, Restricted};
     pub use crate::routhian::Routhian;
     pub use crate::series::{Analytic, TaylorSeries};
-    /// Rotations that are parameters, `param R: rotation;`.
+    /// Rotations by matrices, quaternions and Euler's angles.
     pub mod rotation {
+        pub use crate::attitude::euler::EulerAngles;
         pub use crate::rotation::{NotARotation, by_matrix, by_quaternion};
     }
     #[doc(hidden)]

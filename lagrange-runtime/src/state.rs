@@ -204,6 +204,16 @@ impl<S: Scalar, const N: usize> State<S, N> {
     pub fn angular_velocity(&self, first: usize) -> Vector3<S> {
         attitude::angular_velocity(&self.parameters(first), &part(&self.qd, first))
     }
+
+    /// Angular acceleration in rad/s², in the turned axes, of the attitude whose first coordinate is this one, at the
+    /// accelerations `accel` of the coordinates. (Systems have it by name: `system.angular_acceleration_R(&state)`.)
+    ///
+    /// # Panics
+    /// If there are not three coordinates from there on.
+    pub fn angular_acceleration(&self, first: usize, accel: &SVector<S, N>) -> Vector3<S> {
+        let [sigma, rate] = self.attitude_rates(first);
+        attitude::angular_acceleration(&sigma, &rate, &part(accel, first))
+    }
 }
 
 impl<S: Scalar, const N: usize> State<S, N> {

@@ -31,6 +31,35 @@ fn resting<const N: usize>() -> State<f64, N> {
     State::new(0.0, [0.0; N], [0.0; N])
 }
 
+/// Euler's equations, at short and long parameters of attitudes.
+#[test]
+fn angular_accelerations_are_those_of_eulers_equations() {
+    let (a, b, c) = (1.0, 2.0, 3.5);
+    let body = Free::new(a, b, c);
+    for k in 0..60 {
+        let u = f64::from(k);
+        let attitude = UnitQuaternion::from_euler_angles(0.3 * u, (1.1 * u).sin(), 2.7 * u);
+        let omega = Vector3::new(3.0 * (2.0 * u).sin(), -1.0 + 0.1 * u, (0.7 * u).cos());
+        let mut at = turning(resting(), attitude, omega.into());
+        let known = Vector3::new(
+            (b - c) / a * omega.y * omega.z,
+            (c - a) / b * omega.z * omega.x,
+            (a - b) / c * omega.x * omega.y,
+        );
+        for _ in 0..2 {
+            let off = (body.angular_acceleration_R(&at) - known).norm();
+            assert!(off < 1e-13 * (1.0 + known.norm()), "{at:?}: {off:e}");
+            // The other parameters of the same attitude.
+            let square = at.q.norm_squared();
+            if square < 0.1 {
+                break;
+            }
+            let rate = at.q * (2.0 * at.q.dot(&at.qd) / (square * square)) - at.qd / square;
+            at = State { t: 0.0, q: -at.q / square, qd: rate };
+        }
+    }
+}
+
 /// The angle between two attitudes.
 fn apart(a: &UnitQuaternion<f64>, b: &UnitQuaternion<f64>) -> f64 {
     // (That of nalgebra takes an arc cosine, which has half of the digits.)

@@ -343,6 +343,8 @@ fn a_closed_loop_turns_as_a_pendulum() {
         ];
         let force = left + right;
         assert!((force - (a + Vec3::z() * g) * m).amax() < 1e-7, "{force}");
+        let turning = bar.angular_acceleration_R(&sample) - Vec3::new(alpha, 0.0, 0.0);
+        assert!(turning.amax() < 1e-7, "{turning}");
         let [from_left, from_right] = [Vec3::new(-0.6, 0.4, 0.0), Vec3::new(0.8, 0.4, 0.0)];
         let attitude = bar.attitude_R(&sample);
         let couple = (attitude * from_left).cross(&left) + (attitude * from_right).cross(&right);

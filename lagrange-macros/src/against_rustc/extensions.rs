@@ -315,6 +315,10 @@ impl Translation {
                 let (text, kind) = self.expression(&index.expr)?;
                 let i = self.integer(&index.index, "usize")?;
                 match referred(kind) {
+                    // (What is referred to outlives its block.)
+                    Kind::List(item) if matches!(*item, Kind::Number { .. } | Kind::Int | Kind::Typed(_)) => {
+                        (format!("kept({text})[{i}]"), *item)
+                    }
                     Kind::List(item) => (format!("({text})[{i}]"), *item),
                     _ => return None,
                 }
@@ -345,13 +349,13 @@ impl Translation {
                 Some(Meaning::Closure(..)) => None,
                 None => {
                     self.used(Extension::Constants);
-                    Some((format!("std::f64::consts::{name}"), NUMBER))
+                    Some((format!("seen(std::f64::consts::{name})"), NUMBER))
                 }
             };
         }
         self.used(Extension::Constants);
         let last = &path.path.segments.last()?.ident;
-        Some((format!("std::f64::consts::{last}"), NUMBER))
+        Some((format!("seen(std::f64::consts::{last})"), NUMBER))
     }
 
     fn binary(
@@ -566,7 +570,7 @@ impl Translation {
             _ => return None,
         }
         let receiver = if plain == Kind::Int {
-            format!("(({receiver}).to_owned() as f64)")
+            format!("(({}{receiver}).to_owned() as f64)", "*".repeat(references(&kind).saturating_sub(1)))
         } else {
             format!("({receiver})")
         };
@@ -649,6 +653,12 @@ impl Translation {
                         return Some((format!("{list}.{name}::<f64>()"), NUMBER));
                     }
                     Kind::Number { .. } => ("f64", NUMBER),
+                    Kind::List(item) if name == "sum" => {
+                        self.used(Extension::Arithmetic);
+                        let _ = self.numbers(String::new(), &item)?;
+                        let added = format!("{list}.into_iter().reduce(|a, b| added(a, b)).unwrap()");
+                        return Some((added, Kind::List(Box::new(NUMBER))));
+                    }
                     _ => return None,
                 };
                 (format!("{list}.into_iter().{name}::<{ty}>()"), kind)
@@ -673,6 +683,11 @@ impl Translation {
             _ => None,
         }
     }
+}
+
+/// The number of references to what is referred to.
+fn references(kind: &Kind) -> usize {
+    if let Kind::Reference(kind) = kind { 1 + references(kind) } else { 0 }
 }
 
 fn referred(kind: Kind) -> Kind {

@@ -38,7 +38,7 @@ pub fn methods(
         quote! {
             #[doc = #says]
             pub fn #function #generics(&self, #argument at: &#state) -> #result {
-                at.#method(#place)
+                at.#method
             }
         }
     };
@@ -66,7 +66,7 @@ pub fn methods(
         let says = format!(
             "The direction `{of}`: three components without unit in the axes of the world, of length 1 to rounding."
         );
-        let read = reads(read, quote!(direction), &vector, says);
+        let read = reads(read, quote!(direction(#place)), &vector, says);
         let says = format!(
             "The state `at` with the direction `{of}` along the vector `direction`, of any length but 0, and with the part of \
              `velocity`, in 1/s, that is perpendicular to it."
@@ -76,23 +76,33 @@ pub fn methods(
         return quote!(#read #set);
     }
     let quaternion = quote!(#runtime::UnitQuaternion<S>);
-    let [read, velocity, set] = ATTITUDE_FUNCTIONS;
+    let [read, velocity, acceleration, set] = ATTITUDE_FUNCTIONS;
     let says = format!(
         "The attitude `{of}`, a unit quaternion: it takes components in the turned axes to those in the axes of the parent."
     );
-    let read = reads(read, quote!(attitude), &quaternion, says);
+    let read = reads(read, quote!(attitude(#place)), &quaternion, says);
     let says = format!(
         "Angular velocity of `{of}` in rad/s: three components in the turned axes. The attitude takes them to the axes of \
              the parent."
     );
-    let velocity = reads(velocity, quote!(angular_velocity), &vector, says);
+    let velocity = reads(velocity, quote!(angular_velocity(#place)), &vector, says);
+    let says = format!(
+        "Angular acceleration of `{of}` in rad/s², by the equations of motion: three components in the turned axes, the \
+             rates of those of the angular velocity."
+    );
+    // (What stands for a system with mistakes has no accelerations.)
+    let by = match generic {
+        None => quote!(&#runtime::System::accel(self, &at.q, &at.qd, at.t)),
+        Some(_) => quote!(&at.qd),
+    };
+    let acceleration = reads(acceleration, quote!(angular_acceleration(#place, #by)), &vector, says);
     let says = format!(
         "The state `at` with this attitude of `{of}`, and with this angular velocity in rad/s: three components in the \
              turned axes."
     );
     let arguments = [quote!(attitude), quote!(angular_velocity)];
     let set = sets(set, quote!(with_attitude), arguments, &quaternion, says);
-    quote!(#read #velocity #set)
+    quote!(#read #velocity #acceleration #set)
 }
 
 /// The name of a rotation, a direction or a position by its first coordinate.

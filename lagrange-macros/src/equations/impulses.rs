@@ -10,7 +10,7 @@ use super::check::{TRIALS, sample};
 use super::formed::Formed;
 use super::series::switches::{Switch, choices, cut, switching};
 use crate::diagnostics::Errors;
-use crate::graph::{Comparison, Function, Graph, Node, Symbol, Value};
+use crate::graph::{Function, Graph, Node, Symbol, Value};
 use crate::model::Model;
 use proc_macro2::Ident;
 
@@ -122,7 +122,7 @@ fn where_decided(g: &mut Graph, values: &[Value], switch: Value, decided: &[Valu
             Node::Call(Function::signum, ..) => [Value::ONE, -Value::ONE],
             _ => {
                 let x = cut(g, &[*choice])?;
-                least = Some(least.map_or(x, |other| g.select(Comparison::Less, x, other, x, other)));
+                least = Some(least.map_or(x, |other| g.choose(true, x, other)));
                 continue;
             }
         };
@@ -137,7 +137,7 @@ fn where_decided(g: &mut Graph, values: &[Value], switch: Value, decided: &[Valu
         if sum.node.is_none_or(|id| g.is_fixed(id)) && !sum.is_zero() || g.live(&[sum]).len() > MOST_NODES {
             return None;
         }
-        least = Some(least.map_or(-sum, |other| g.select(Comparison::Less, -sum, other, -sum, other)));
+        least = Some(least.map_or(-sum, |other| g.choose(true, -sum, other)));
     }
     least
 }

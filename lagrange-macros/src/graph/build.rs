@@ -556,7 +556,10 @@ impl Graph {
         if f == Function::hypot && (x.is_zero() || y.is_zero()) {
             return self.call(Function::abs, if x.is_zero() { y } else { x });
         }
-        // A quarter turn to either side.
+        // A quarter turn to either side, and none of nothing.
+        if f == Function::atan2 && y.is_zero() && x.is_zero() {
+            return Value::ZERO;
+        }
         if f == Function::atan2
             && y.is_zero()
             && let Some(quarter_turn) = Number::named("FRAC_PI_2")

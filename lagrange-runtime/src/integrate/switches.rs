@@ -9,8 +9,9 @@
 use crate::event::scan::{Crossings, Grid};
 use crate::event::within::Within;
 use crate::failure::Failure;
-use crate::method::Interpolant;
+use crate::method::explicit_rk::Rk4;
 use crate::method::hermite::Hermite;
+use crate::method::{Interpolant, Method};
 use crate::scalar::{Real, Scalar};
 use crate::state::{State, Tangent};
 use crate::system::System;
@@ -580,7 +581,8 @@ where
         }
         let part = if time == 0.0 { whole - gone } else { 0.5 * time };
         let part = part.abs().min(PART * h.to_f64().abs()).copysign(whole);
-        let next = a_part_later(system, &at, Sys::Scalar::from_f64(part));
+        let memory = Rk4.start(system, &at)?;
+        let next = Rk4.last_step(system, &memory, &at, Sys::Scalar::from_f64(part))?.to;
         if is_held_between(system, &at, &next) {
             return Err(Failure::Sliding { t: next.t });
         }
@@ -590,26 +592,6 @@ where
         }
     }
     Ok(())
-}
-
-/// The state of the motion a short time later, by the classical step of order 4.
-fn a_part_later<Sys: System<N>, const N: usize>(
-    system: &Sys,
-    at: &State<Sys::Scalar, N>,
-    h: Sys::Scalar,
-) -> State<Sys::Scalar, N> {
-    let rates = |at: &State<_, N>| Tangent { q: at.qd, qd: system.accel(&at.q, &at.qd, at.t) };
-    let [half, sixth] = [0.5, 1.0 / 6.0].map(|part| h * Sys::Scalar::from_f64(part));
-    let first = rates(at);
-    let second = rates(&at.moved(at.t + half, half, &first));
-    let third = rates(&at.moved(at.t + half, half, &second));
-    let fourth = rates(&at.moved(at.t + h, h, &third));
-    let sum = |a: SVector<_, N>, b: SVector<_, N>, c: SVector<_, N>, d: SVector<_, N>| a + b + b + c + c + d;
-    let mean = Tangent {
-        q: sum(first.q, second.q, third.q, fourth.q),
-        qd: sum(first.qd, second.qd, third.qd, fourth.qd),
-    };
-    at.moved(at.t + h, sixth, &mean)
 }
 
 /// Do the accelerations on both sides of a switch between two states lead back to it?

@@ -443,4 +443,20 @@ pub mod of_other_languages {
     }
 }
 
+// Names that a `let` in a block cannot have.
+pub mod names_in_blocks {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Pendulum {
+            const N = 2;
+            param m;
+            coord x;
+            T = 0.5 * m * dot(x).powi(2);
+            V = { let N = 3.0 * x; N * x };
+            Q[x] = { let self = x; x };
+        }
+    }
+}
+
 fn main() {}

@@ -166,7 +166,7 @@ pub fn cut(g: &mut Graph, decided: &[Value]) -> Option<Value> {
         _ => None,
     });
     let beside = beside.collect::<Option<Vec<Value>>>()?;
-    beside.into_iter().reduce(|a, b| g.select(Comparison::Less, a, b, a, b))
+    beside.into_iter().reduce(|a, b| g.choose(true, a, b))
 }
 
 /// A function of the same sign without multiple roots: each factor once that stands in an odd power, and none in an

@@ -1,6 +1,7 @@
 //! Choices, blocks, closures, ranges and elements of arrays.
 
 use super::*;
+use crate::syntax::words::is_keyword;
 
 impl Elaborator<'_> {
     pub(super) fn conditional(&mut self, conditional: &syn::ExprIf) -> Result {
@@ -83,6 +84,20 @@ impl Elaborator<'_> {
     /// Binds a pattern of a closure or a local `let`.
     pub(super) fn matched(&mut self, pattern: &Pat, val: Val) -> Result<()> {
         match (pattern, val) {
+            (Pat::Ident(name), _) if is_keyword(&name.ident.to_string()) => {
+                let message = format!(
+                    "`{0}` is a keyword of Rust\nhelp: choose another name, such as `{0}_`",
+                    name.ident
+                );
+                Err(self.errors.push(pattern, message))
+            }
+            (Pat::Ident(name), _) if self.is_constant(&name.ident) => {
+                let message = format!(
+                    "`{0}` is a constant, with which a pattern compares\nhelp: choose another name, such as `{0}_`",
+                    name.ident
+                );
+                Err(self.errors.push(pattern, message))
+            }
             (Pat::Ident(name), val) if name.subpat.is_none() => {
                 let val = if name.by_ref.is_some() { reference(val) } else { val };
                 self.scope.locals.push((name.ident.to_string(), val));
@@ -121,6 +136,10 @@ impl Elaborator<'_> {
                 Err(self.errors.push(pattern, message))
             }
         }
+    }
+
+    fn is_constant(&self, name: &syn::Ident) -> bool {
+        matches!(self.scope.names.get(&name.to_string()), Some((_, Entry::Const(_))))
     }
 
     /// A value that is said to have this type. An integer without a type takes it.
