@@ -172,6 +172,89 @@ fn a_free_body_tumbles_as_its_closed_form_says() {
     }
 }
 
+/// A free symmetric body, A = B: R(t) = exp(t L/A) R(0) exp(−λ t e₃) with λ = (C − A)/A ω₃, and ω turns about its axis
+/// by λ t (Landau and Lifshitz, *Mechanics*, §33).
+struct Symmetric {
+    moments: [f64; 2],
+    first: UnitQuaternion<f64>,
+    omega: Vector3<f64>,
+}
+
+impl Symmetric {
+    fn spinning() -> Self {
+        let first = UnitQuaternion::from_euler_angles(0.3, -1.2, 2.9);
+        Symmetric { moments: [1.0, 0.6], first, omega: Vector3::new(1.1, 0.4, 2.0) }
+    }
+
+    fn body(&self) -> Free<f64> {
+        Free::new(self.moments[0], self.moments[0], self.moments[1])
+    }
+
+    fn at(&self, t: f64) -> State<f64, 3> {
+        let ([a, c], omega) = (self.moments, self.omega);
+        let momentum = self.first * Vector3::new(omega.x, omega.y, c / a * omega.z);
+        let drift = (c - a) / a * omega.z * t;
+        let spin = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), drift);
+        let attitude = UnitQuaternion::from_scaled_axis(momentum * t) * self.first * spin.inverse();
+        State { t, ..turning(resting(), attitude, (spin * omega).into()) }
+    }
+
+    /// Largest error of the attitude and of ω at the end and at times within steps.
+    fn missed<M: Method<Free<f64>, 3> + Clone>(&self, method: M, h: f64) -> [f64; 2] {
+        let (body, end) = (self.body(), 6.0);
+        let error = |at: &State<f64, 3>| {
+            let known = self.at(at.t);
+            let turned = apart(&body.attitude_R(at), &body.attitude_R(&known));
+            turned.max((body.angular_velocity_R(at) - body.angular_velocity_R(&known)).norm())
+        };
+        let run = || integrate(&body, method.clone(), FixedStep::new(h), self.at(0.0)).until(end);
+        let within = run().sample((1..60).map(|k| 0.1 * f64::from(k) + 0.0317));
+        let within = within.map(|at| error(&at.unwrap())).fold(0.0, f64::max);
+        [error(&run().final_state().unwrap()), within]
+    }
+}
+
+/// Methods keep their order over changes of parameters, at the ends of steps and within them.
+#[test]
+fn methods_have_their_order_on_attitudes() {
+    let symmetric = Symmetric::spinning();
+    macro_rules! orders {
+        ($($method:expr, $steps:expr, $order:expr, $within:expr;)*) => {$({
+            let errors = [1.0, 2.0].map(|parts| symmetric.missed($method, 6.0 / ($steps * parts)));
+            let slopes = [0, 1].map(|i| (errors[0][i] / errors[1][i]).log2());
+            println!("{}: {errors:?}, orders {slopes:.2?}", stringify!($method));
+            assert!(errors[1][0] > 1e-13 && slopes[0] > $order - 0.5, "{}", stringify!($method));
+            assert!(slopes[1] > $within - 0.5, "{}", stringify!($method));
+        })*};
+    }
+    orders! {
+        ImplicitMidpoint, 400.0, 2.0, 2.0;
+        VariationalMidpoint, 400.0, 2.0, 2.0;
+        Rk4, 200.0, 4.0, 4.0;
+        Gauss4, 200.0, 4.0, 4.0;
+        Rodas5P, 200.0, 5.0, 4.0;
+        DormandPrince5, 200.0, 5.0, 4.0;
+        Radau5, 100.0, 5.0, 5.0;
+        Gauss6, 60.0, 6.0, 5.0;
+        Dop853, 30.0, 8.0, 7.0;
+        Verner9, 24.0, 9.0, 8.0;
+        Taylor::of_order(8), 60.0, 8.0, 8.0;
+    }
+}
+
+#[test]
+#[ignore = "a minute with optimisation: `.ci/full`"]
+fn an_attitude_is_orthonormal_after_a_hundred_million_steps() {
+    let symmetric = Symmetric::spinning();
+    let body = symmetric.body();
+    let run = integrate(&body, Rk4, FixedStep::new(0.01), symmetric.at(0.0)).until(1e6);
+    let end = run.final_state().unwrap();
+    let turned = body.attitude_R(&end).to_rotation_matrix();
+    let off = (turned.matrix() * turned.matrix().transpose() - nalgebra::Matrix3::identity()).amax();
+    println!("off by {off:.1e}");
+    assert!(off < 1e-15 && end.q.norm_squared() < 3.0);
+}
+
 /// A body that turns about a fixed axis: everything about it is known at every time.
 #[test]
 fn samples_events_and_steppers_know_no_special_attitude() {
