@@ -3,13 +3,15 @@
 //! `cargo bench --bench accel`
 //!
 //! Both sides get the same states and the same parameters, use the standard library's sine and cosine, and are inlined
-//! into the same loop.
+//! into the same loop. Last come bodies whose attitude is a rotation, against the same bodies by Euler's angles, both
+//! emitted, in attitudes far from the angles' poles.
 
 #![allow(missing_docs)]
 
 mod support;
 
 use lagrange_runtime::prelude::*;
+use lagrange_runtime::traits::rotation::EulerAngles;
 use nalgebra::SVector;
 use std::hint::black_box;
 use support::systems::{DoublePendulum, Kepler, Pendulum};
@@ -34,6 +36,54 @@ lagrangian! {
         let y: [N] = |i| if i == 0 { -th[0].cos() } else { y[i - 1] - th[i].cos() };
         T = (0..N).map(|i| 0.5 * (dot(x[i]).powi(2) + dot(y[i]).powi(2))).sum();
         V = (0..N).map(|i| g * y[i]).sum();
+    }
+}
+
+lagrangian! {
+    /// A heavy body about a point.
+    pub system Turned {
+        param mgl = 2.0;
+        coord R: rotation;
+        let hull = frame(world, [0, 0, 0], R);
+        T = body(0, [1.0, 1.5, 0.8], hull);
+        V = mgl * hull.vector([0, 0, 1])[2];
+    }
+}
+
+lagrangian! {
+    /// The same body by Euler's angles.
+    pub system Angles {
+        param mgl = 2.0;
+        coord psi, theta, phi;
+        let hull = frame(world, [0, 0, 0], rotation_z(psi) * rotation_x(theta) * rotation_z(phi));
+        T = body(0, [1.0, 1.5, 0.8], hull);
+        V = mgl * hull.vector([0, 0, 1])[2];
+    }
+}
+
+lagrangian! {
+    /// Two bodies on ball joints.
+    pub system TwoTurned {
+        param g = 9.81;
+        coord R: [rotation; 2];
+        let upper = frame(world, [0, 0, 0], R[0]);
+        let lower = frame(frame(upper, [0, 0, -1]), [0, 0, 0], R[1]);
+        let (one, two) = (frame(upper, [0, 0.1, -0.5]), frame(lower, [0, 0.1, -0.5]));
+        T = body(1, [0.1, 0.15, 0.08], one) + body(1, [0.1, 0.15, 0.08], two);
+        V = g * (one.origin()[2] + two.origin()[2]);
+    }
+}
+
+lagrangian! {
+    /// The same bodies by Euler's angles.
+    pub system TwoAngles {
+        param g = 9.81;
+        coord a: [3], b: [3];
+        let upper = frame(world, [0, 0, 0], rotation_z(a[0]) * rotation_x(a[1]) * rotation_z(a[2]));
+        let lower = frame(frame(upper, [0, 0, -1]), [0, 0, 0], rotation_z(b[0]) * rotation_x(b[1]) * rotation_z(b[2]));
+        let (one, two) = (frame(upper, [0, 0.1, -0.5]), frame(lower, [0, 0.1, -0.5]));
+        T = body(1, [0.1, 0.15, 0.08], one) + body(1, [0.1, 0.15, 0.08], two);
+        V = g * (one.origin()[2] + two.origin()[2]);
     }
 }
 
@@ -206,6 +256,66 @@ fn compare<Sys, const N: usize>(
     );
 }
 
+/// `accel` of bodies by rotations and by Euler's angles, in the same states.
+fn bodies<A, B, const N: usize>(name: &str, turned: A, angles: B)
+where
+    A: Lagrangian<N, Scalar = f64>,
+    B: Lagrangian<N, Scalar = f64>,
+{
+    const STATES: usize = 256;
+    let mut random = Random(11);
+    let mut number = move || random.next();
+    let mut worst = 0.0f64;
+    let states: [Vec<State<f64, N>>; 2] = {
+        let pairs = (0..STATES).map(|_| {
+            let mut by_angles = State::new(0.0, [0.0; N], [0.0; N]);
+            let mut by_rotations = by_angles;
+            for first in (0..N).step_by(3) {
+                let at = [3.0 * number(), 1.6 + number(), 3.0 * number()];
+                let rates = [0, 1, 2].map(|_| 2.0 * number());
+                for i in 0..3 {
+                    (by_angles.q[first + i], by_angles.qd[first + i]) = (at[i], rates[i]);
+                }
+                let (attitude, omega) =
+                    (EulerAngles::Zxz.rotation(at), EulerAngles::Zxz.angular_velocity(at, rates));
+                by_rotations = by_rotations.with_attitude(first, &attitude, &omega);
+            }
+            let energies = [turned.energy_at(&by_rotations), angles.energy_at(&by_angles)];
+            worst = worst.max((energies[0] - energies[1]).abs() / energies[0].abs().max(1.0));
+            (by_rotations, by_angles)
+        });
+        let (a, b) = pairs.unzip();
+        [a, b]
+    };
+    assert!(worst < 1e-12, "{name}: energies differ by {worst:e}");
+    let r = ratio(
+        STATES,
+        || {
+            let system = black_box(&turned);
+            for at in black_box(&states[0]) {
+                consume(system.accel(&at.q, &at.qd, 0.0));
+            }
+        },
+        || {
+            let system = black_box(&angles);
+            for at in black_box(&states[1]) {
+                consume(system.accel(&at.q, &at.qd, 0.0));
+            }
+        },
+    );
+    let [few, many] = [A::FACTS.operations, B::FACTS.operations];
+    println!(
+        "| {name} | {:.3} | {:.3} – {:.3} | {} + {} | {} + {} |",
+        r.median,
+        r.quartiles[0],
+        r.quartiles[1],
+        few.arithmetic(),
+        few.sin_cos,
+        many.arithmetic(),
+        many.sin_cos
+    );
+}
+
 fn main() {
     println!(
         "| system | emitted / hand | quartiles | ns emitted | ns hand | operations + sin/cos pairs | difference |"
@@ -217,4 +327,11 @@ fn main() {
     compare("symmetric top", Top::new(0.5, 0.12, 9.81, 0.008, 0.0011), top);
     compare("6-link chain, dense by hand", Chain::new(9.81), chain_dense);
     compare("6-link chain, linear by hand", Chain::new(9.81), chain_tensions);
+    println!();
+    println!(
+        "| bodies | rotation / Euler's angles | quartiles | operations + sin/cos pairs | of the angles |"
+    );
+    println!("|---|---|---|---|---|");
+    bodies("a heavy body", Turned::default(), Angles::default());
+    bodies("two bodies on ball joints", TwoTurned::default(), TwoAngles::default());
 }
