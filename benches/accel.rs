@@ -68,7 +68,8 @@ lagrangian! {
         coord R: [rotation; 2];
         let upper = frame(world, [0, 0, 0], R[0]);
         let lower = frame(frame(upper, [0, 0, -1]), [0, 0, 0], R[1]);
-        let (one, two) = (frame(upper, [0, 0.1, -0.5]), frame(lower, [0, 0.1, -0.5]));
+        let one = frame(upper, [0, 0.1, -0.5]);
+        let two = frame(lower, [0, 0.1, -0.5]);
         T = body(1, [0.1, 0.15, 0.08], one) + body(1, [0.1, 0.15, 0.08], two);
         V = g * (one.origin()[2] + two.origin()[2]);
     }
@@ -81,7 +82,8 @@ lagrangian! {
         coord a: [3], b: [3];
         let upper = frame(world, [0, 0, 0], rotation_z(a[0]) * rotation_x(a[1]) * rotation_z(a[2]));
         let lower = frame(frame(upper, [0, 0, -1]), [0, 0, 0], rotation_z(b[0]) * rotation_x(b[1]) * rotation_z(b[2]));
-        let (one, two) = (frame(upper, [0, 0.1, -0.5]), frame(lower, [0, 0.1, -0.5]));
+        let one = frame(upper, [0, 0.1, -0.5]);
+        let two = frame(lower, [0, 0.1, -0.5]);
         T = body(1, [0.1, 0.15, 0.08], one) + body(1, [0.1, 0.15, 0.08], two);
         V = g * (one.origin()[2] + two.origin()[2]);
     }
@@ -259,8 +261,8 @@ fn compare<Sys, const N: usize>(
 /// `accel` of bodies by rotations and by Euler's angles, in the same states.
 fn bodies<A, B, const N: usize>(name: &str, turned: A, angles: B)
 where
-    A: Lagrangian<N, Scalar = f64>,
-    B: Lagrangian<N, Scalar = f64>,
+    A: Energies<N, Scalar = f64>,
+    B: Energies<N, Scalar = f64>,
 {
     const STATES: usize = 256;
     let mut random = Random(11);

@@ -145,7 +145,7 @@ pub trait Prescribed<const N: usize, const P: usize>: Lagrangian<N> {
 }
 
 /// `Aᵀ λ`
-fn transposed<S: Scalar, const M: usize, const N: usize>(
+pub(crate) fn transposed<S: Scalar, const M: usize, const N: usize>(
     a: &SMatrix<S, M, N>,
     multipliers: &SVector<S, M>,
 ) -> SVector<S, N> {

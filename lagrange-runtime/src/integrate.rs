@@ -216,7 +216,12 @@ where
         if let Status::Failed(_) = self.engine.status {
             return None;
         }
-        match self.engine.begin(self.system).and_then(|()| self.engine.step::<false>(self.system)) {
+        // (No closure, which would not be inlined: a step of many coordinates would be copied.)
+        let stepped = match self.engine.begin(self.system) {
+            Ok(()) => self.engine.step::<false>(self.system),
+            Err(failure) => Err(failure),
+        };
+        match stepped {
             Ok(step) => step.map(Ok),
             Err(failure) => {
                 let failure = self.engine.explained(self.system, failure);

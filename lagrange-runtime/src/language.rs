@@ -118,7 +118,8 @@
 /// | `Q[n] = [Fx, Fy, Fz];` | a generalized force, which does the work F·ṅ; what it has along n does none |
 ///
 /// Methods are those of systems with [constraints](#constraints): all on (q, q̇), in lanes, with Taylor series,
-/// events and all analysis in two degrees of freedom; those on (q, p) are a compile error.
+/// events and all analysis in two degrees of freedom; those on (q, p) are a compile error but for
+/// [`ConstrainedMidpoint`](crate::method::variational::ConstrainedMidpoint).
 ///
 /// # Frames and rigid bodies
 ///

@@ -51,6 +51,7 @@
 //! | the same to more digits | [`BlanesMoan4`], [`BlanesMoan6`], [`Compose`]`(Verlet, KahanLi8)` | [`FixedStep`] |
 //! | the same for any Lagrangian, such as a double pendulum | [`ImplicitMidpoint`], [`Gauss4`], [`Gauss6`] | [`FixedStep`] |
 //! | the same where some oscillations are faster than the steps | [`VariationalMidpoint`] | [`FixedStep`] |
+//! | long runs with constraints on positions, directions among them | [`ConstrainedMidpoint`](method::variational::ConstrainedMidpoint), [`Compose`]`(ConstrainedMidpoint, KahanLi8)` | [`FixedStep`] |
 //! | stiff systems: strong damping, stiff springs | [`Rodas5P`], [`Radau5`] | [`PiController`] with 1e-3 to 1e-9 |
 //! | linear systems with constant coefficients, exactly | [`MatrixExponential`] | [`FixedStep`] |
 //! | energy and momenta of ignorable coordinates to rounding, with adaptive steps | [`Projection`]`(Dop853)` | [`PiController`] |

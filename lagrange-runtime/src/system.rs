@@ -487,7 +487,7 @@ pub trait Energies<const N: usize>: Lagrangian<N> {
 /// Velocities from momenta (inverse Legendre transformation), where L is quadratic in the velocities.
 #[diagnostic::on_unimplemented(
     message = "methods on (q, p) need independent coordinates, no states of first order, and a Lagrangian that is quadratic in the velocities, which those of `{Self}` are not",
-    note = "use a method on (q, q̇), such as `Dop853`"
+    note = "use a method on (q, q̇), such as `Dop853`, or `method::variational::ConstrainedMidpoint` for constraints on positions"
 )]
 pub trait LegendreTransform<const N: usize>: Independent<N> {
     /// The N velocities `q̇` with `∂L/∂q̇ = p`, each in the unit of its coordinate per second. The N momenta are in the
@@ -504,7 +504,7 @@ pub trait LegendreTransform<const N: usize>: Independent<N> {
 /// order](crate::traits::States).
 #[diagnostic::on_unimplemented(
     message = "the coordinates of `{Self}` are not independent: it has constraints, which this method would not keep, or states of first order, which it does not know",
-    note = "`Dop853` and the other methods on (q, q̇) keep them"
+    note = "`Dop853` and the other methods on (q, q̇) keep them, and `method::variational::ConstrainedMidpoint` is symplectic on constraints on positions"
 )]
 pub trait Independent<const N: usize>: Lagrangian<N> {}
 

@@ -3,6 +3,7 @@
 #![allow(clippy::excessive_precision, clippy::approx_constant)]
 
 use lagrange_runtime::Controller;
+use lagrange_runtime::method::variational::ConstrainedMidpoint;
 use lagrange_runtime::prelude::*;
 use lagrange_runtime::traits::Analytic;
 
@@ -412,9 +413,29 @@ fn constraints_hold_bodies_as_joints_do() {
     let end = 5.0;
     let control = || PiController::tolerance(1e-12);
     let free = integrate(&jointed, Dop853, control(), start).until(end).final_state().unwrap();
-    let held = integrate(&pinned, Dop853, control(), held).until(end).final_state().unwrap();
-    let difference = apart(&jointed.attitude_R(&free), &pinned.attitude_R(&held));
+    let by_constraint = integrate(&pinned, Dop853, control(), held).until(end).final_state().unwrap();
+    let difference = apart(&jointed.attitude_R(&free), &pinned.attitude_R(&by_constraint));
     assert!(difference < 1e-8, "{difference:e}");
+    // The symplectic method on constraints, over changes of parameters: of order 2, and the energy stays.
+    let missed = |h: f64| {
+        let end = integrate(&pinned, ConstrainedMidpoint, FixedStep::new(h), held)
+            .until(end)
+            .final_state()
+            .unwrap();
+        apart(&jointed.attitude_R(&free), &pinned.attitude_R(&end))
+    };
+    let order = (missed(2e-3) / missed(1e-3)).log2();
+    assert!((order - 2.0).abs() < 0.1, "{order}");
+    let energy = |at: &State<f64, 6>| (pinned.energy_at(at) / pinned.energy_at(&held) - 1.0).abs();
+    let mut stepper = Stepper::new(pinned, ConstrainedMidpoint, FixedStep::new(0.01), held);
+    let mut worst = [0.0f64; 2];
+    for (k, most) in worst.iter_mut().enumerate() {
+        for i in 1..=1000 {
+            stepper.advance_to(50.0 * k as f64 + 0.05 * f64::from(i)).unwrap();
+            *most = most.max(energy(stepper.state()));
+        }
+    }
+    assert!(worst[0] > 1e-6 && worst[1] < 2.0 * worst[0], "{worst:?}");
 }
 
 lagrangian! {

@@ -33,6 +33,7 @@ impl Symmetric for super::splitting::PositionVerlet {}
 impl Symmetric for super::gauss::ImplicitMidpoint {}
 impl Symmetric for super::variational::VariationalMidpoint {}
 impl Symmetric for super::variational::VariationalTrapezoid {}
+impl<const M: usize> Symmetric for super::variational::ConstrainedMidpoint<M> {}
 
 /// The coefficients of a composition.
 pub trait Coefficients {

@@ -342,5 +342,8 @@ where
     Ok((State { t, q: q.value, qd }, memory, 1 + D::COST * iterations))
 }
 
+mod constrained;
 #[cfg(test)]
 mod tests;
+
+pub use constrained::ConstrainedMidpoint;

@@ -44,8 +44,6 @@ impl<const N: usize> Ends<N> {
 struct Fates {
     /// Sizes that were tried; of steps that ended at a switch of theirs, the sizes that they have.
     tried: [f64; LANES],
-    /// Sizes as the differences of times, which a method may have changed.
-    sizes: [f64; LANES],
     /// Steps that land on the end of the run, end earlier, and have an end at all.
     lands: [bool; LANES],
     early: [bool; LANES],
@@ -180,24 +178,10 @@ where
         let measures = self.controller.measures(&pack.state, &step.to, &step.error);
         let order = <M as Method<Packed<Sys, P, A, N>, N>>::order(self.method);
         let Verdicts { accepted: good, factor } = C::decide(&mut pack.controllers, &measures, &finite, order);
-        let sizes = *step.h.as_array();
         let none = [false; LANES];
         let (near, again, accepted, arrived, any) = (none, none, none, none, false);
-        let fates = Fates {
-            tried,
-            sizes,
-            lands,
-            early,
-            finite,
-            good,
-            factor,
-            near,
-            again,
-            accepted,
-            arrived,
-            missing,
-            any,
-        };
+        let fates =
+            Fates { tried, lands, early, finite, good, factor, near, again, accepted, arrived, missing, any };
         (fates, own, failed)
     }
 
@@ -230,7 +214,7 @@ where
             let norm = |difference: &_, a: &_, b: &_| {
                 Controller::<_, N, ElementOf<M, Sys, P, A, N>>::norm(&alone, difference, a, b)
             };
-            let (course, size) = (&mut course, SingleLane::new(fates.sizes[i]));
+            let (course, size) = (&mut course, SingleLane::new(step.h.as_array()[i]));
             let within = move || {
                 let course = course;
                 let (which, parts) = (course.look(Which::Coarse), course.parts(i));
@@ -273,7 +257,7 @@ where
             let next = rules::next_step(paces.h[i], fates.tried[i], fates.factor[i], good, short);
             paces.h[i] = if pack.live[i] { next } else { 0.0 };
             to[i] = at;
-            let size = if good { fates.sizes[i].abs() } else { 0.0 };
+            let size = if good { step.h.as_array()[i].abs() } else { 0.0 };
             paces.longest[i] = if size > paces.longest[i] { size } else { paces.longest[i] };
             paces.accepted[i] += u64::from(good);
             paces.rejected[i] += u64::from(fates.finite[i] & !good);
@@ -299,8 +283,14 @@ where
         ends: &mut Ends<N>,
     ) {
         let (to, paces) = (step.to.t.as_mut(), &mut pack.paces);
+        // (As they are in memory: what has just been written flag by flag is waited for when it is read as a whole.)
+        fates.accepted = pack.live;
+        if fates.missing {
+            for i in 0..LANES {
+                fates.accepted[i] &= fates.finite[i];
+            }
+        }
         for i in 0..LANES {
-            fates.accepted[i] = pack.live[i] & fates.finite[i];
             let (count, total) = (paces.count[i], paces.total[i]);
             let [h, origin, end] = [paces.h[i], paces.origin[i], self.end].map(SingleLane::<P, A>::new);
             to[i] = rules::next_time(count, total, h, origin, Some(end)).value();
@@ -361,7 +351,7 @@ where
             let outline = Outline {
                 ends: [pack.state.lane(i).map(SingleLane::value), step.to.lane(i).map(SingleLane::value)],
                 accelerations: [from.map(|x| x.as_array()[i]), to.map(|x| x.as_array()[i])],
-                h: fates.sizes[i],
+                h: step.h.as_array()[i],
             };
             // (A step that was made alone has left no accelerations here.)
             let outlook = match own.iter().any(|own| own.lane == i) {
@@ -415,14 +405,14 @@ where
                             system: job.system.over(SingleLane::<P, A>::new),
                             memory: memory.lane(i),
                             from: pack.state.lane(i),
-                            h: SingleLane::new(fates.sizes[i]) * SingleLane::new(x),
+                            h: SingleLane::new(step.h.as_array()[i]) * SingleLane::new(x),
                         });
                         made.map(|(one, _)| one.to.map(SingleLane::value))
                             .map_err(|failure| failure.map(SingleLane::value))
                     };
                     let inside = Inside {
                         ends: [pack.state.lane(i), step.to.lane(i)].map(|at| at.map(SingleLane::value)),
-                        h: fates.sizes[i],
+                        h: step.h.as_array()[i],
                         parts: course.parts(i),
                         between: &|x| course.between(Which::Dense, i, x).map(SingleLane::value),
                         stepped: &stepped,
@@ -442,11 +432,12 @@ where
                 }
             }
         }
-        let mut until = *step.to.t.as_array();
-        for (i, end) in &ends.0 {
-            until[*i] = end.as_ref().map_or(until[*i], |end| end.t);
-            fates.any = true;
-        }
+        fates.any |= !ends.0.is_empty();
+        // (Asked for each lane: arrays that are copied after a lane of them was written wait for it.)
+        let until = |ends: &Ends<N>, lane: usize| match ends.of(lane) {
+            Some(Ok(end)) => end.t,
+            _ => step.to.t.as_array()[lane],
+        };
         if W::STEPS {
             for i in 0..LANES {
                 if fates.accepted[i]
@@ -464,7 +455,8 @@ where
                     && let Some(Occupant { watched, .. }) = &pack.occupants[i]
                     && let Some(time) = self.watch.wanted(watched)
                 {
-                    let ahead = if fates.tried[i] < 0.0 { until[i] - time } else { time - until[i] };
+                    let until = until(ends, i);
+                    let ahead = if fates.tried[i] < 0.0 { until - time } else { time - until };
                     if ahead <= 0.0 {
                         (times.as_mut()[i], wanted[i]) = (time, true);
                     }
@@ -481,7 +473,7 @@ where
                 {
                     let time = times.as_array()[i];
                     let at = match (course.own(i), &between) {
-                        _ if time == until[i] => None,
+                        _ if time == until(ends, i) => None,
                         (Some(own), _) => course.own_at(own, which, time),
                         (None, between) => between.as_ref().map(|at| at.lane(i)),
                     };

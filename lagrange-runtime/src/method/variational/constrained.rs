@@ -1,0 +1,244 @@
+//! The variational midpoint rule on constraints.
+
+use super::{Discrete, MethodState, Sum, VariationalMidpoint};
+use crate::constraint::{Constrained, transposed};
+use crate::controller::NoEstimate;
+use crate::facts::ConstraintKind;
+use crate::failure::Failure;
+use crate::method::hermite::Hermite;
+use crate::method::newton::{ROUNDING, Stagnation};
+use crate::method::{Method, Step};
+use crate::scalar::{Real, Scalar, SimdScalar};
+use crate::state::{State, constant};
+use crate::system::Lagrangian;
+use nalgebra::SVector;
+
+/// Iterations after which a step fails.
+const MOST_ITERATIONS: u32 = 50;
+
+/// The variational integrator of the midpoint discrete Lagrangian for systems with constraints on positions: order 2,
+/// symplectic on the constraints, time-symmetric (Marsden and West, Acta Numerica 10, 2001, 3.5; the discrete form of
+/// Wendlandt and Marsden, *Physica D* 106, 1997).
+///
+/// With the mean velocity `v = (q₁ − q₀)/h`, the momenta `P = ∂L/∂q̇` and the force F in the middle, and the Jacobian A
+/// of the constraints f, a step solves
+///
+/// `p₀ + A(q₀)ᵀ λ = P − h/2 F`, `f(q₁, t₁) = 0`, `p₁ = P + h/2 F + A(q₁)ᵀ μ`, `∂f/∂t + A(q₁) q̇₁ = 0`,
+///
+/// which is RATTLE (Andersen, *J. Comput. Phys.* 52, 1983) with the midpoint rule for Verlet's. Energy stays bounded
+/// over any time, and momenta of symmetries that the constraints share are kept. The number M of constraints is
+/// inferred.
+///
+/// ```
+/// use lagrange_runtime::prelude::*;
+/// use lagrange_runtime::method::variational::ConstrainedMidpoint;
+///
+/// lagrangian! {
+///     /// A spherical pendulum.
+///     system Pendulum {
+///         param l = 1.0, g = 9.81;
+///         coord n: direction;
+///         T = 0.5 * l.powi(2) * dot(n).norm_squared();
+///         V = g * l * n[2];
+///     }
+/// }
+/// let pendulum = Pendulum::default();
+/// let start = State::new(0.0, [1.0, 0.0, 0.0], [0.0, 1.0, 0.5]);
+/// let end = integrate(&pendulum, ConstrainedMidpoint, FixedStep::new(0.01), start).until(1000.0).final_state()?;
+/// assert!((pendulum.energy_at(&end) - pendulum.energy_at(&start)).abs() < 1e-2);
+/// let about_z = |at: &State<f64, 3>| at.q[0] * at.qd[1] - at.q[1] * at.qd[0];
+/// assert!((about_z(&end) - about_z(&start)).abs() < 1e-12);
+/// # Ok::<(), Failure>(())
+/// ```
+///
+/// # Hypotheses
+/// - Constraints are on positions. A system with constraints on velocities does not compile:
+///
+/// ```compile_fail
+/// use lagrange_runtime::prelude::*;
+/// use lagrange_runtime::method::variational::ConstrainedMidpoint;
+///
+/// lagrangian! {
+///     /// A skate.
+///     system Skate {
+///         coord x, y, theta;
+///         T = 0.5 * (dot(x).powi(2) + dot(y).powi(2) + dot(theta).powi(2));
+///         V = x;
+///         constraint blade: dot(x) * theta.sin() == dot(y) * theta.cos();
+///     }
+/// }
+/// let start = State::new(0.0, [0.0; 3], [1.0, 0.0, 0.5]);
+/// integrate(&Skate::default(), ConstrainedMidpoint, FixedStep::new(0.01), start).until(1.0).final_state().unwrap();
+/// ```
+///
+/// - Constraints are independent, steps are of one size, and accelerations are smooth within a step. A step fails with
+///   [`Failure::NotConverged`] where no end is found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
+pub struct ConstrainedMidpoint<const M: usize>;
+
+/// Are all constraints of a system on positions?
+const fn is_holonomic<Sys: Lagrangian<N>, const N: usize>() -> bool {
+    let constraints = Sys::FACTS.constraints;
+    let mut i = 0;
+    while i < constraints.len() {
+        if !matches!(constraints[i].kind, ConstraintKind::Holonomic) {
+            return false;
+        }
+        i += 1;
+    }
+    true
+}
+
+/// The end of a step, what the next one begins with, and the iterations.
+type Outcome<S, const N: usize> = Result<(State<S, N>, MethodState<S, N>, u32), Failure<S>>;
+
+/// The largest magnitude of a component.
+fn largest<S: Real, const N: usize>(x: &SVector<S, N>) -> f64 {
+    x.iter().fold(0.0, |most, x| most.max(x.magnitude().to_f64()))
+}
+
+/// Iterations until changes are made of rounding.
+struct Changes {
+    stagnation: Stagnation,
+    count: u32,
+}
+
+impl Changes {
+    fn new() -> Self {
+        Changes { stagnation: Stagnation::new(), count: 0 }
+    }
+
+    /// Returns whether nothing is left to do after a change of `from` by `by`. Fails where there is no end.
+    fn are_over<S: Real, const N: usize>(
+        &mut self,
+        (from, by): (&SVector<S, N>, &SVector<S, N>),
+        scale: f64,
+        failure: impl Fn(u32) -> Failure<S>,
+    ) -> Result<bool, Failure<S>> {
+        self.count += 1;
+        let is_finite = from.iter().chain(by.iter()).all(|x| x.to_f64().is_finite());
+        if !is_finite || self.count > MOST_ITERATIONS {
+            return Err(failure(self.count));
+        }
+        let size = largest(from).max(scale);
+        let change = if size == 0.0 { 0.0 } else { largest(by) / size };
+        // (At rounding changes may become smaller by less and less for ever.)
+        Ok(self.stagnation.reached(change, ROUNDING * S::EPSILON) || change <= S::EPSILON)
+    }
+}
+
+fn step<Sys, const N: usize, const M: usize>(
+    system: &Sys,
+    memory: &MethodState<Sys::Scalar, N>,
+    from: &State<Sys::Scalar, N>,
+    h: Sys::Scalar,
+) -> Outcome<Sys::Scalar, N>
+where
+    Sys: Constrained<N, M>,
+    Sys::Scalar: Real + SimdScalar,
+{
+    let (one, half) = (Sys::Scalar::one(), h * Sys::Scalar::from_f64(0.5));
+    let failed = |iterations| Failure::NotConverged { t: from.t, h, iterations };
+    let (mut q, t) = (Sum { value: from.q, rest: memory.rest_q }, from.t + h);
+    let begun = Sum { value: memory.p, rest: memory.rest_p };
+    // Rounding of lengths makes changes of this size in mean velocities.
+    let scale = largest(&from.q) / h.to_f64().abs();
+
+    let jacobian = system.constraint_jacobian(&from.q, from.t);
+    let (mut v, mut multipliers) = (from.qd, SVector::<Sys::Scalar, M>::from([Sys::Scalar::zero(); M]));
+    let mut changes = Changes::new();
+    loop {
+        let [momentum, _, force] = VariationalMidpoint::momenta(system, &q, from.t, &v, h);
+        let mut defect = Sum { value: begun.value - momentum, rest: begun.rest };
+        defect.add_product(half, &force);
+        defect.add_product(one, &transposed(&jacobian, &multipliers));
+        let missing = system.constraints(&q.at(h, &v), t).map(|f| -f / h);
+        let (change, pushed) = system.response(&from.q, &from.qd, from.t, &defect.value, &missing);
+        let is_over = changes.are_over((&v, &change), scale, failed)?;
+        (v, multipliers) = (v + change, multipliers + pushed);
+        if is_over {
+            break;
+        }
+    }
+    let [_, _, force] = VariationalMidpoint::momenta(system, &q, from.t, &v, h);
+    let mut p = begun;
+    p.add_product(h, &force);
+    p.add_product(one, &transposed(&jacobian, &multipliers));
+    q.add_product(h, &v);
+
+    let jacobian = system.constraint_jacobian(&q.value, t);
+    // (Where a motion turns around, velocities are small and momenta have the rounding of those before.)
+    let scale = largest(&from.qd).max(largest(&v));
+    let mut qd = v;
+    let mut ends = Changes::new();
+    loop {
+        let defect = Sum { value: p.value - system.momenta(&q.value, &qd, t), rest: p.rest };
+        let rates = system.constraint_rates(&q.value, &qd, t).map(|rate| -rate);
+        let (change, pushed) = system.response(&q.value, &qd, t, &(defect.value + defect.rest), &rates);
+        p.add_product(one, &transposed(&jacobian, &pushed));
+        let is_over = ends.are_over((&qd, &change), scale, failed)?;
+        qd += change;
+        if is_over {
+            break;
+        }
+    }
+    let memory = MethodState { p: p.value, rest_q: q.rest, rest_p: p.rest };
+    Ok((State { t, q: q.value, qd }, memory, changes.count + ends.count))
+}
+
+impl<Sys, const N: usize, const M: usize> Method<Sys, N> for ConstrainedMidpoint<M>
+where
+    Sys: Constrained<N, M>,
+    Sys::Scalar: Real + SimdScalar,
+{
+    type MethodState = MethodState<Sys::Scalar, N>;
+    type InterpolantData = ();
+    type Error = NoEstimate;
+    type Interpolant = Hermite<Sys::Scalar, N>;
+
+    fn order(&self) -> u32 {
+        2
+    }
+
+    fn implicit(&self) -> bool {
+        true
+    }
+
+    fn start(
+        &self,
+        system: &Sys,
+        at: &State<Sys::Scalar, N>,
+    ) -> Result<Self::MethodState, Failure<Sys::Scalar>> {
+        const { assert!(is_holonomic::<Sys, N>(), "`ConstrainedMidpoint` needs constraints on positions") };
+        let p = system.momenta(&at.q, &at.qd, at.t);
+        let zero = constant(Sys::Scalar::zero());
+        if !p.iter().all(|p| p.to_f64().is_finite()) {
+            return Err(crate::diagnosis::why_not_finite(system, at, Sys::Scalar::zero()));
+        }
+        Ok(MethodState { p, rest_q: zero, rest_p: zero })
+    }
+
+    fn step_into(
+        &self,
+        system: &Sys,
+        memory: &Self::MethodState,
+        from: &State<Sys::Scalar, N>,
+        h: Sys::Scalar,
+        next: &mut Self::MethodState,
+    ) -> Result<Step<Sys, Self, N>, Failure<Sys::Scalar>> {
+        let (to, evaluations);
+        (to, *next, evaluations) = step(system, memory, from, h)?;
+        Ok(Step { from: *from, to, h, error: NoEstimate, stages: (), evaluations })
+    }
+
+    #[inline(always)]
+    fn interpolant(&self, system: &Sys, step: &Step<Sys, Self, N>) -> Self::Interpolant {
+        let [from, to] = [&step.from, &step.to].map(|end| system.accel(&end.q, &end.qd, end.t));
+        Hermite::new(&step.from, &step.to, step.h, &from, &to)
+    }
+
+    fn interpolant_evaluations(&self, _: &Self::Interpolant) -> u32 {
+        2
+    }
+}
