@@ -343,3 +343,25 @@ fn the_midpoint_rule_on_constraints_fails_where_no_end_is_found() {
     let failed = run.final_state().unwrap_err().failure;
     assert!(matches!(failed, Failure::NotConverged { .. }), "{failed:?}");
 }
+
+/// In lanes each run has the bits that it has alone, also beside one that fails.
+#[test]
+fn the_midpoint_rule_on_constraints_runs_in_lanes() {
+    use lagrange_runtime::ensemble::{Collect, Ensemble, Table};
+    use lagrange_runtime::lanes::{FinalState, Fused};
+    use lagrange_runtime::method::variational::ConstrainedMidpoint;
+    let draw = |[number]: [u64; 1]| {
+        let rate = if number == 4 { 400.0 } else { 0.3 * number as f64 };
+        (Pendulum::new(1.3, 1.0), in_its_plane([2.5, rate]))
+    };
+    let table = Table::new((0..11).map(|number| [number]));
+    let study =
+        Ensemble::new(table, 11, draw).integrate(ConstrainedMidpoint, FixedStep::new(0.02), 2.0).threads(1);
+    let lanes = study.in_lanes(Fused);
+    let outcome = lanes.observe(&FinalState(|_: &Pendulum, end: &State<f64, 3>| *end), Collect).unwrap();
+    for (index, end) in &outcome.statistic.rows {
+        let alone = lanes.replay(*index).unwrap().run().final_state().unwrap();
+        assert_eq!(*end, alone.map(|x| x.value()), "sample {index}");
+    }
+    assert_eq!((outcome.statistic.rows.len(), outcome.failures.count), (10, 1));
+}

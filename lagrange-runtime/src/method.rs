@@ -105,6 +105,39 @@ pub(crate) use across::steps_across;
 /// # Ok::<(), Failure>(())
 /// ```
 ///
+/// A step by hand is that of the method alone. It keeps no constraints, checks neither its start nor that its end is
+/// finite, lands on no switch, and goes on with the parameters of rotations (`coord R: rotation;`) that it began with,
+/// which have no values after a whole turn. A [`Stepper`](crate::Stepper) does all of that; where it does not serve,
+/// the next step of a rotation begins from its shorter parameters, which are the same attitude:
+///
+/// ```
+/// # use lagrange_runtime::prelude::*;
+/// # lagrangian! {
+/// #     system Body {
+/// #         coord R: rotation;
+/// #         T = body(1, [1.0, 1.2, 0.8], frame(world, [0, 0, 0], R));
+/// #         V = 0;
+/// #     }
+/// # }
+/// # let body = Body::default();
+/// # let rest = State::new(0.0, [0.0; 3], [0.0; 3]);
+/// let mut at = body.with_attitude_R(rest, &UnitQuaternion::identity(), &Vector3::new(0.1, 3.0, 0.2));
+/// let mut memory = Dop853.start(&body, &at)?;
+/// for _ in 0..2000 {
+///     if let Some(shorter) = body.shortened(&at, None) {
+///         memory = Dop853.turned(&body, &memory, &at, &shorter)?;
+///         at = shorter;
+///     }
+///     let (step, next) = Dop853.step(&body, &memory, &at, 0.01)?;
+///     (at, memory) = (step.to, next);
+/// }
+/// # let start = body.with_attitude_R(rest, &UnitQuaternion::identity(), &Vector3::new(0.1, 3.0, 0.2));
+/// # let run = integrate(&body, Dop853, FixedStep::new(0.01), start).until(20.0).final_state()?;
+/// # let apart = (body.attitude_R(&at).inverse() * body.attitude_R(&run)).imag().norm();
+/// # assert!(apart < 1e-10, "{apart:e}");
+/// # Ok::<(), Failure>(())
+/// ```
+///
 /// A method that does not fit a system, or a controller, does not compile: [`Verlet`](splitting::Verlet) needs a
 /// separable system, and adaptive steps an estimate of the error.
 ///
@@ -188,7 +221,7 @@ pub trait Method<Sys: System<N>, const N: usize>: Sized {
     }
 
     /// One step of size `h` (negative: backward in time) from `from`, whose memory is `memory`, and the memory of the
-    /// step after it. A step may end earlier, where the equations switch.
+    /// step after it. A step may end earlier, where the equations switch. `h` is finite and not 0.
     fn step(
         &self,
         system: &Sys,

@@ -112,8 +112,9 @@ impl EulerAngles {
     /// These angles of a rotation, in rad: the middle one in \[0, π\] for orders that end with their first axis, in
     /// \[−π/2, π/2\] for others, and those beside it in (−π, π\].
     ///
-    /// At the ends of its range (gimbal lock) the sum or the difference of the other two alone has a meaning. They are
-    /// of equal size there, and turn the body right.
+    /// At the ends of its range (gimbal lock) the sum or the difference of the other two alone has a meaning. Which
+    /// part of it is whose is rounding there; together they turn the body right. Of a quaternion of length 0 they are
+    /// NaN.
     pub fn angles<S: Real>(self, rotation: &UnitQuaternion<S>) -> [S; 3] {
         let [i, j, k] = self.axes();
         let (q, is_symmetric) = (&rotation.as_ref().coords, i == k);
@@ -126,13 +127,15 @@ impl EulerAngles {
             true => [q[3], q[i], q[j], across],
             false => [q[3] - q[j], q[i] - across, q[j] + q[3], q[i] + across],
         };
-        let (sum, difference) = (b.atan2(a), d.atan2(c));
+        // (0/0 of no rotation.)
+        let length = a * a + b * b + c * c + d * d;
+        let (sum, difference) = (b.atan2(a) * (length / length), d.atan2(c));
         let half = (c * c + d * d).sqrt().atan2((a * a + b * b).sqrt());
         let quarter = S::one().atan2(S::zero());
         let middle = if is_symmetric { half + half } else { half + half - quarter };
         let [first, last] = [sum + difference, sum - difference];
         let last = if !is_symmetric && is_right_handed { -last } else { last };
-        [wrapped_angle(first), middle, wrapped_angle(last)]
+        [wrapped_angle(first), middle * (length / length), wrapped_angle(last)]
     }
 }
 
@@ -190,6 +193,14 @@ mod tests {
         let [roll, pitch, yaw] = [0.3, -1.2, 2.9];
         let rotation = UnitQuaternion::from_euler_angles(roll, pitch, yaw);
         assert!(EulerAngles::Zyx.rotation([yaw, pitch, roll]).angle_to(&rotation) < 1e-15);
+    }
+
+    #[test]
+    fn a_quaternion_of_length_0_has_no_angles() {
+        let nothing = Unit::new_unchecked(Quaternion::new(0.0, 0.0, 0.0, 0.0));
+        for order in EulerAngles::ALL {
+            assert!(order.angles(&nothing).iter().all(|x: &f64| x.is_nan()), "{order:?}");
+        }
     }
 
     /// Angular velocities against difference quotients of matrices.

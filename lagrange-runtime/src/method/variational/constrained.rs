@@ -5,8 +5,9 @@ use crate::constraint::{Constrained, transposed};
 use crate::controller::NoEstimate;
 use crate::facts::ConstraintKind;
 use crate::failure::Failure;
+use crate::iteration::{Iteration, Progress, chosen};
 use crate::method::hermite::Hermite;
-use crate::method::newton::{ROUNDING, Stagnation};
+use crate::method::newton::{ROUNDING, Stagnation, larger, largest, over};
 use crate::method::{Method, Step};
 use crate::scalar::{Real, Scalar, SimdScalar};
 use crate::state::{State, constant};
@@ -26,8 +27,9 @@ const MOST_ITERATIONS: u32 = 50;
 /// `p₀ + A(q₀)ᵀ λ = P − h/2 F`, `f(q₁, t₁) = 0`, `p₁ = P + h/2 F + A(q₁)ᵀ μ`, `∂f/∂t + A(q₁) q̇₁ = 0`,
 ///
 /// which is RATTLE (Andersen, *J. Comput. Phys.* 52, 1983) with the midpoint rule for Verlet's. Energy stays bounded
-/// over any time, and momenta of symmetries that the constraints share are kept. The number M of constraints is
-/// inferred.
+/// over any time (less well where rotations are coordinates and the motion is chaotic: docs/limits.md), and momenta of
+/// symmetries that the constraints share are kept. The number M of constraints is inferred. States of first order are
+/// taken along; their time constants bound the step.
 ///
 /// ```
 /// use lagrange_runtime::prelude::*;
@@ -71,8 +73,10 @@ const MOST_ITERATIONS: u32 = 50;
 /// integrate(&Skate::default(), ConstrainedMidpoint, FixedStep::new(0.01), start).until(1.0).final_state().unwrap();
 /// ```
 ///
-/// - Constraints are independent, steps are of one size, and accelerations are smooth within a step. A step fails with
-///   [`Failure::NotConverged`] where no end is found.
+/// - Steps are of one size, and so short that an iteration with the Jacobian of the start converges: else
+///   [`Failure::NotConverged`].
+/// - Accelerations are smooth within a step, as for [`VariationalMidpoint`].
+/// - Redundant constraints are met by multipliers of least norm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct ConstrainedMidpoint<const M: usize>;
@@ -93,38 +97,42 @@ const fn is_holonomic<Sys: Lagrangian<N>, const N: usize>() -> bool {
 /// The end of a step, what the next one begins with, and the iterations.
 type Outcome<S, const N: usize> = Result<(State<S, N>, MethodState<S, N>, u32), Failure<S>>;
 
-/// The largest magnitude of a component.
-fn largest<S: Real, const N: usize>(x: &SVector<S, N>) -> f64 {
-    x.iter().fold(0.0, |most, x| most.max(x.magnitude().to_f64()))
-}
-
-/// Iterations until changes are made of rounding.
-struct Changes {
-    stagnation: Stagnation,
+/// Iterations until changes are made of rounding, in each lane.
+struct Changes<S: SimdScalar> {
+    stagnation: S::PerLane<Stagnation>,
+    iteration: Iteration<S>,
     count: u32,
 }
 
-impl Changes {
+impl<S: SimdScalar> Changes<S> {
     fn new() -> Self {
-        Changes { stagnation: Stagnation::new(), count: 0 }
+        Changes { stagnation: S::each(|_| Stagnation::new()), iteration: Iteration::new(), count: 0 }
     }
 
-    /// Returns whether nothing is left to do after a change of `from` by `by`. Fails where there is no end.
-    fn are_over<S: Real, const N: usize>(
+    /// Looks at a change of `from` by `by`, beside the size `scale` of what it is made of.
+    fn look<const N: usize>(
         &mut self,
         (from, by): (&SVector<S, N>, &SVector<S, N>),
-        scale: f64,
+        scale: S::Sizes,
         failure: impl Fn(u32) -> Failure<S>,
-    ) -> Result<bool, Failure<S>> {
+    ) -> Result<(), Failure<S>> {
         self.count += 1;
-        let is_finite = from.iter().chain(by.iter()).all(|x| x.to_f64().is_finite());
-        if !is_finite || self.count > MOST_ITERATIONS {
-            return Err(failure(self.count));
+        let change = largest(by);
+        let changes = over(change, larger(largest(from), scale) + change).apart();
+        let stagnation = self.stagnation.as_mut();
+        self.iteration.decide(|i| {
+            let (change, unit) = (changes.as_ref()[i].to_f64(), S::Element::EPSILON);
+            if change.is_nan() {
+                return Progress::Failed;
+            }
+            // (At rounding changes may become smaller by less and less for ever.)
+            let is_over = stagnation[i].reached(change, ROUNDING * unit) || change <= unit;
+            if is_over { Progress::Done } else { Progress::On }
+        });
+        if self.count == MOST_ITERATIONS {
+            self.iteration.give_up();
         }
-        let size = largest(from).max(scale);
-        let change = if size == 0.0 { 0.0 } else { largest(by) / size };
-        // (At rounding changes may become smaller by less and less for ever.)
-        Ok(self.stagnation.reached(change, ROUNDING * S::EPSILON) || change <= S::EPSILON)
+        if self.iteration.failed() { Err(failure(self.count)) } else { Ok(()) }
     }
 }
 
@@ -136,31 +144,32 @@ fn step<Sys, const N: usize, const M: usize>(
 ) -> Outcome<Sys::Scalar, N>
 where
     Sys: Constrained<N, M>,
-    Sys::Scalar: Real + SimdScalar,
+    Sys::Scalar: SimdScalar,
 {
     let (one, half) = (Sys::Scalar::one(), h * Sys::Scalar::from_f64(0.5));
     let failed = |iterations| Failure::NotConverged { t: from.t, h, iterations };
     let (mut q, t) = (Sum { value: from.q, rest: memory.rest_q }, from.t + h);
     let begun = Sum { value: memory.p, rest: memory.rest_p };
     // Rounding of lengths makes changes of this size in mean velocities.
-    let scale = largest(&from.q) / h.to_f64().abs();
+    let scale = largest(&from.q) / h.magnitudes();
 
     let jacobian = system.constraint_jacobian(&from.q, from.t);
     let (mut v, mut multipliers) = (from.qd, SVector::<Sys::Scalar, M>::from([Sys::Scalar::zero(); M]));
-    let mut changes = Changes::new();
-    loop {
+    let mut changes = Changes::<Sys::Scalar>::new();
+    while changes.iteration.goes_on() {
         let [momentum, _, force] = VariationalMidpoint::momenta(system, &q, from.t, &v, h);
         let mut defect = Sum { value: begun.value - momentum, rest: begun.rest };
         defect.add_product(half, &force);
         defect.add_product(one, &transposed(&jacobian, &multipliers));
         let missing = system.constraints(&q.at(h, &v), t).map(|f| -f / h);
         let (change, pushed) = system.response(&from.q, &from.qd, from.t, &defect.value, &missing);
-        let is_over = changes.are_over((&v, &change), scale, failed)?;
-        (v, multipliers) = (v + change, multipliers + pushed);
-        if is_over {
-            break;
-        }
+        let on = changes.iteration.on();
+        multipliers = chosen(on, &(multipliers + pushed), &multipliers);
+        let next = chosen(on, &(v + change), &v);
+        changes.look((&v, &change), scale, failed)?;
+        v = next;
     }
+    v = changes.iteration.result(&v);
     let [_, _, force] = VariationalMidpoint::momenta(system, &q, from.t, &v, h);
     let mut p = begun;
     p.add_product(h, &force);
@@ -169,20 +178,20 @@ where
 
     let jacobian = system.constraint_jacobian(&q.value, t);
     // (Where a motion turns around, velocities are small and momenta have the rounding of those before.)
-    let scale = largest(&from.qd).max(largest(&v));
+    let scale = larger(largest(&from.qd), largest(&v));
     let mut qd = v;
-    let mut ends = Changes::new();
-    loop {
+    let mut ends = Changes::<Sys::Scalar>::new();
+    while ends.iteration.goes_on() {
         let defect = Sum { value: p.value - system.momenta(&q.value, &qd, t), rest: p.rest };
         let rates = system.constraint_rates(&q.value, &qd, t).map(|rate| -rate);
         let (change, pushed) = system.response(&q.value, &qd, t, &(defect.value + defect.rest), &rates);
-        p.add_product(one, &transposed(&jacobian, &pushed));
-        let is_over = ends.are_over((&qd, &change), scale, failed)?;
-        qd += change;
-        if is_over {
-            break;
-        }
+        let (on, zero) = (ends.iteration.on(), constant(Sys::Scalar::zero()));
+        p.add_product(one, &chosen(on, &transposed(&jacobian, &pushed), &zero));
+        let next = chosen(on, &(qd + change), &qd);
+        ends.look((&qd, &change), scale, failed)?;
+        qd = next;
     }
+    qd = ends.iteration.result(&qd);
     let memory = MethodState { p: p.value, rest_q: q.rest, rest_p: p.rest };
     Ok((State { t, q: q.value, qd }, memory, changes.count + ends.count))
 }
@@ -190,7 +199,7 @@ where
 impl<Sys, const N: usize, const M: usize> Method<Sys, N> for ConstrainedMidpoint<M>
 where
     Sys: Constrained<N, M>,
-    Sys::Scalar: Real + SimdScalar,
+    Sys::Scalar: SimdScalar,
 {
     type MethodState = MethodState<Sys::Scalar, N>;
     type InterpolantData = ();
@@ -211,12 +220,7 @@ where
         at: &State<Sys::Scalar, N>,
     ) -> Result<Self::MethodState, Failure<Sys::Scalar>> {
         const { assert!(is_holonomic::<Sys, N>(), "`ConstrainedMidpoint` needs constraints on positions") };
-        let p = system.momenta(&at.q, &at.qd, at.t);
-        let zero = constant(Sys::Scalar::zero());
-        if !p.iter().all(|p| p.to_f64().is_finite()) {
-            return Err(crate::diagnosis::why_not_finite(system, at, Sys::Scalar::zero()));
-        }
-        Ok(MethodState { p, rest_q: zero, rest_p: zero })
+        MethodState::new(system, at)
     }
 
     fn step_into(
