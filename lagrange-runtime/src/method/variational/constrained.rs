@@ -121,12 +121,13 @@ impl<S: SimdScalar> Changes<S> {
         let changes = over(change, larger(largest(from), scale) + change).apart();
         let stagnation = self.stagnation.as_mut();
         self.iteration.decide(|i| {
-            let (change, unit) = (changes.as_ref()[i].to_f64(), S::Element::EPSILON);
+            let change = changes.as_ref()[i].to_f64();
             if change.is_nan() {
                 return Progress::Failed;
             }
-            // (At rounding changes may become smaller by less and less for ever.)
-            let is_over = stagnation[i].reached(change, ROUNDING * unit) || change <= unit;
+            // (By powers of two: at rounding changes may become smaller by less and less for ever.)
+            let change = f64::from_bits(change.to_bits() & (u64::MAX << 52));
+            let is_over = stagnation[i].reached(change, ROUNDING * S::Element::EPSILON);
             if is_over { Progress::Done } else { Progress::On }
         });
         if self.count == MOST_ITERATIONS {
