@@ -127,15 +127,16 @@ impl EulerAngles {
             true => [q[3], q[i], q[j], across],
             false => [q[3] - q[j], q[i] - across, q[j] + q[3], q[i] + across],
         };
-        // (0/0 of no rotation.)
-        let length = a * a + b * b + c * c + d * d;
-        let (sum, difference) = (b.atan2(a) * (length / length), d.atan2(c));
+        if [a, b, c, d].iter().all(|part| part.to_f64() == 0.0) {
+            return [S::from_f64(f64::NAN); 3];
+        }
+        let (sum, difference) = (b.atan2(a), d.atan2(c));
         let half = (c * c + d * d).sqrt().atan2((a * a + b * b).sqrt());
         let quarter = S::one().atan2(S::zero());
         let middle = if is_symmetric { half + half } else { half + half - quarter };
         let [first, last] = [sum + difference, sum - difference];
         let last = if !is_symmetric && is_right_handed { -last } else { last };
-        [wrapped_angle(first), middle * (length / length), wrapped_angle(last)]
+        [wrapped_angle(first), middle, wrapped_angle(last)]
     }
 }
 
