@@ -557,14 +557,11 @@ impl Graph {
             return self.call(Function::abs, if x.is_zero() { y } else { x });
         }
         // A quarter turn to either side, and none of nothing.
-        if f == Function::atan2 && y.is_zero() && x.is_zero() {
-            return Value::ZERO;
-        }
         if f == Function::atan2
             && y.is_zero()
             && let Some(quarter_turn) = Number::named("FRAC_PI_2")
         {
-            return self.call(Function::signum, x).scaled(quarter_turn);
+            return if x.is_zero() { x } else { self.call(Function::signum, x).scaled(quarter_turn) };
         }
         if f == Function::powf && y.is_constant() {
             if let Some(n) =

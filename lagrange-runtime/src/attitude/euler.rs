@@ -121,8 +121,8 @@ impl EulerAngles {
         let is_right_handed = (i + 1) % 3 == j;
         let third = q[3 - i - j];
         let across = if is_right_handed { third } else { -third };
-        // Of the angles α, β, γ about axes i, j, i: cos ½β and sin ½β times cosine and sine of ½(α ± γ). A quarter turn
-        // about j more makes ± i of the third axis.
+        // These are cos ½β and sin ½β times cosine and sine of ½(α ± γ), for angles α, β, γ about axes i, j, i. A
+        // quarter turn about j more makes ± i of the third axis.
         let [a, b, c, d] = match is_symmetric {
             true => [q[3], q[i], q[j], across],
             false => [q[3] - q[j], q[i] - across, q[j] + q[3], q[i] + across],

@@ -232,7 +232,7 @@ where
                 Err(failure) => {
                     ends.0.push((i, Err(failure.map(SingleLane::value))));
                     fates.good[i] = false;
-                    // Of a run that ends here no step was rejected.
+                    // No step of a run that ends here was rejected.
                     pack.paces.rejected[i] = pack.paces.rejected[i].wrapping_sub(1);
                 }
             }

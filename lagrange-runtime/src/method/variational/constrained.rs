@@ -1,6 +1,6 @@
 //! The variational midpoint rule on constraints.
 
-use super::{Discrete, MethodState, Sum, VariationalMidpoint};
+use super::{Discrete, MOST_ITERATIONS, MethodState, Outcome, Sum, VariationalMidpoint};
 use crate::constraint::{Constrained, transposed};
 use crate::controller::NoEstimate;
 use crate::facts::ConstraintKind;
@@ -13,9 +13,6 @@ use crate::scalar::{Real, Scalar, SimdScalar};
 use crate::state::{State, constant};
 use crate::system::Lagrangian;
 use nalgebra::SVector;
-
-/// Iterations after which a step fails.
-const MOST_ITERATIONS: u32 = 50;
 
 /// The variational integrator of the midpoint discrete Lagrangian for systems with constraints on positions: order 2,
 /// symplectic on the constraints, time-symmetric (Marsden and West, Acta Numerica 10, 2001, 3.5; the discrete form of
@@ -93,9 +90,6 @@ const fn is_holonomic<Sys: Lagrangian<N>, const N: usize>() -> bool {
     }
     true
 }
-
-/// The end of a step, what the next one begins with, and the iterations.
-type Outcome<S, const N: usize> = Result<(State<S, N>, MethodState<S, N>, u32), Failure<S>>;
 
 /// Iterations until changes are made of rounding, in each lane.
 struct Changes<S: SimdScalar> {
