@@ -16,6 +16,7 @@ mod support;
 
 use lagrange_runtime::ensemble::rand_distr::{Distribution, StandardNormal};
 use lagrange_runtime::ensemble::{Ensemble, Moments, Random, Source};
+use lagrange_runtime::event::{Compiled, CompiledEvents};
 use lagrange_runtime::lanes::{FinalState, Fused, Level, Occurrences};
 use lagrange_runtime::prelude::*;
 use rayon::prelude::*;
@@ -33,6 +34,7 @@ lagrangian! {
         let u = dot(y) - wind * (1 - exp(-z / 50));
         let v = hypot(hypot(dot(x), u), dot(z));
         force [-c * v * dot(x), -c * v * u, -c * v * dot(z)] at [x, y, z];
+        event ground: z, falling, terminal;
     }
 }
 
@@ -45,11 +47,14 @@ lagrangian! {
         V = m * g * z;
         let v = hypot(dot(x), dot(z));
         force [-drag * v * dot(x), -drag * v * dot(z)] at [x, z];
+        event ground: z, falling, terminal;
     }
 }
 
 /// A study of one of the two systems.
-trait Shot<const N: usize>: System<N, Scalar = f64> + Sized {
+trait Shot<const N: usize>: CompiledEvents<N, Scalar = f64, Of = Self> + Sized {
+    /// The ground, as the definition of the system has it.
+    const LANDED: Event<Compiled<Self>>;
     /// Mean time of landing.
     const FLIGHT: f64;
     fn draw(rng: <Random as Source>::Draw) -> (Self, State<f64, N>);
@@ -63,6 +68,7 @@ fn normal(rng: &mut <Random as Source>::Draw, mean: f64, deviation: f64) -> f64 
 }
 
 impl Shot<3> for Space {
+    const LANDED: Event<Compiled<Self>> = Space::GROUND;
     const FLIGHT: f64 = 7.6;
 
     fn draw(mut rng: <Random as Source>::Draw) -> (Self, State<f64, 3>) {
@@ -82,6 +88,7 @@ impl Shot<3> for Space {
 }
 
 impl Shot<2> for Plane {
+    const LANDED: Event<Compiled<Self>> = Plane::GROUND;
     const FLIGHT: f64 = 15.6;
 
     fn draw(mut rng: <Random as Source>::Draw) -> (Self, State<f64, 2>) {
@@ -155,16 +162,15 @@ where
     let study = Ensemble::new(Random::seed(1), samples, Sys::draw)
         .integrate(Dop853, PiController::tolerance(tolerance), end)
         .threads(1);
-    let ground = || Event::falling(|at: &State<f64, N>| at.q[N - 1]).terminal();
     let statistic = match way {
         Way::ToTime => study.reduce(|_, run| Ok(run.final_state()?.q[0]), Moments),
-        Way::Ground => study.reduce(|_, run| Ok(run.events(ground()).final_state()?.q[0]), Moments),
+        Way::Ground => study.reduce(|_, run| Ok(run.events(Sys::LANDED).final_state()?.q[0]), Moments),
         Way::Lanes => {
             let last = FinalState(|_: &Sys, end: &State<f64, N>| end.q[0]);
             study.in_lanes(Fused).level(level).observe(&last, Moments)
         }
         Way::LanesGround => {
-            let landed = Occurrences::new(ground(), |_: &Sys, _, end: &State<f64, N>| end.q[0]);
+            let landed = Occurrences::new(Sys::LANDED, |_: &Sys, _, end: &State<f64, N>| end.q[0]);
             study.in_lanes(Fused).level(level).observe(&landed, Moments)
         }
         Way::Plain(h) => {
@@ -200,7 +206,7 @@ fn errors<Sys: Shot<N>, const N: usize>(shot: impl Fn(&Sys, &State<f64, N>) -> (
 
 fn landing<Sys: Shot<N>, const N: usize>(system: &Sys, start: &State<f64, N>, tolerance: f64) -> (f64, u64) {
     let run = integrate(system, Dop853, PiController::tolerance(tolerance), *start).until(100.0);
-    let mut events = run.events(Event::falling(|at: &State<f64, N>| at.q[N - 1]).terminal());
+    let mut events = run.events(Sys::LANDED);
     let end = events.next().expect("it comes down").expect("a smooth motion").state;
     (end.q[0], events.statistics().evaluations)
 }

@@ -210,6 +210,8 @@ pub struct Events<D: Drive<N>, E, const K: usize, const N: usize> {
     step: Option<Stepped<D::System, D::Method, N>>,
     search: Search<K>,
     stage: Stage<Number<D, N>, N>,
+    /// The step, and its only event, on which the run has landed, of which the search is still to be told.
+    alone: Option<(Outline<Number<D, N>, N>, usize)>,
 }
 
 /// An event where a motion is left.
@@ -241,16 +243,26 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
             let (state, sides) = (*run.state(), run.sides().copied().unwrap_or_default());
             search.comes_from(sides.of(state.t.to_f64(), |event| left(&events, run.system(), event, &state)));
         }
-        Events { run, events, step: None, search, stage: Stage::Between }
+        Events { run, events, step: None, search, stage: Stage::Between, alone: None }
     }
 
     /// Keeps the sides of the events where the motion may be left, `landed` before.
     fn keep_sides(&mut self, landed: bool) {
+        self.tell_landed();
         let state = *self.run.state();
         match self.stage {
             Stage::Landed(..) => self.keep(&state, true, self.search.sides_landed()),
             Stage::Between | Stage::Ended if !landed => self.keep(&state, false, self.search.sides()),
             _ => {}
+        }
+    }
+
+    /// Tells the search of the event on which the run has landed. (A run that ends there has no need for it.)
+    fn tell_landed(&mut self) {
+        if let Some((outline, event)) = self.alone.take()
+            && let Stage::Landed(x, state) = self.stage
+        {
+            self.search.landed(&On(&self.events, self.run.system()), &outline, (event, x), &state);
         }
     }
 
@@ -279,6 +291,7 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
     /// were not reported yet are reported after the restart, if the motion from `state` still crosses them. A state
     /// from which no motion begins is the failure of the next step; a stepper keeps the state that it had.
     pub fn restart(&mut self, state: State<Number<D, N>, N>) {
+        self.tell_landed();
         self.run.restart(state);
         self.step = None;
         self.stage = Stage::Between;
@@ -341,28 +354,35 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
         loop {
             let memory = self.run.memory()?.clone();
             self.search.begin(&On(&self.events, self.run.system()), self.run.state())?;
-            let Some(step) = self.run.advance() else { return Ok(Next::End) };
-            let step = step?;
+            // (It stays where it is: steps are large.)
+            let advanced = self.run.advance_towards(self.search.aim());
+            let step = match &advanced {
+                Some(Ok(step)) => step,
+                Some(Err(failure)) => return Err(*failure),
+                None => return Ok(Next::End),
+            };
             if D::System::CONSTRAINTS > 0 {
-                self.look_at_dependence(&step)?;
+                self.look_at_dependence(step)?;
             }
-            if let Some(outline) = outline(&self.run.engine().method, &step) {
-                match self.search.outlook(&On(&self.events, self.run.system()), &outline) {
+            if let Some(outline) = outline(&self.run.engine().method, step) {
+                let next = self.run.engine().h;
+                match self.search.outlook(&On(&self.events, self.run.system()), &outline, next) {
                     Outlook::Clear => {
                         self.step = None;
                         continue;
                     }
                     Outlook::Crossing(landing) if D::System::SWITCHES == 0 => {
-                        if let Some(occurrence) = self.land(&memory, &step, &outline, landing) {
+                        if let Some(occurrence) = self.land(&memory, step, outline, landing) {
                             return Ok(Next::Landed(occurrence));
                         }
                     }
                     _ => {}
                 }
             }
-            let dense = self.run.interpolant(&step);
+            let dense = self.run.interpolant(step);
             let parts = self.run.engine().method.parts(&memory, step.h);
             let crosses_shortly = self.run.engine().crosses_shortly();
+            let step = step.clone();
             let stepped = self.step.insert(Stepped { step, dense, memory, parts, crosses_shortly });
             if let Err(failure) = self.search.enter(&On(&self.events, self.run.system()), stepped) {
                 // The motion is known up to there.
@@ -398,7 +418,7 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
         &mut self,
         memory: &<D::Method as Method<D::System, N>>::MethodState,
         step: &Step<D::System, D::Method, N>,
-        outline: &Outline<Number<D, N>, N>,
+        outline: Outline<Number<D, N>, N>,
         landing: Landing,
     ) -> Option<Occurrence<Number<D, N>, N>> {
         let Events { run, events, search, .. } = self;
@@ -414,10 +434,11 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
             x = landing.x;
             progress
         };
-        let state = approached(engine, system, memory, step, landing, approach)?;
+        let state = approached(engine, system, memory, (step, &outline), landing, approach)?;
         engine.land(system, state);
-        let direction = search.landed(&On(events, system), outline, (event, x), &state);
+        let direction = search.direction(event);
         (self.step, self.stage) = (None, Stage::Landed(x, state));
+        self.alone = Some((outline, event));
         Some(self.occurrence(event, direction, state))
     }
 

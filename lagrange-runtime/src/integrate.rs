@@ -210,15 +210,15 @@ where
         self.system
     }
 
-    /// Takes the next step, if there is one left.
+    /// Takes the next step, if there is one left. An adaptive one beyond the time `aim` is shortened to it.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    pub(crate) fn step(&mut self) -> Option<Result<Step<Sys, M, N>, Failure<Sys::Scalar>>> {
+    fn step(&mut self, aim: Option<f64>) -> Option<Result<Step<Sys, M, N>, Failure<Sys::Scalar>>> {
         if let Status::Failed(_) = self.engine.status {
             return None;
         }
         // (No closure, which would not be inlined: a step of many coordinates would be copied.)
         let stepped = match self.engine.begin(self.system) {
-            Ok(()) => self.engine.step::<false>(self.system),
+            Ok(()) => self.engine.step::<false>(self.system, aim),
             Err(failure) => Err(failure),
         };
         match stepped {
@@ -264,7 +264,12 @@ where
 
     #[inline]
     fn advance(&mut self) -> Option<Result<Step<Sys, M, N>, Failure<Sys::Scalar>>> {
-        self.step()
+        self.step(None)
+    }
+
+    #[cfg_attr(not(debug_assertions), inline(always))]
+    fn advance_towards(&mut self, aim: f64) -> Option<Result<Step<Sys, M, N>, Failure<Sys::Scalar>>> {
+        self.step(Some(aim))
     }
 
     #[cold]
@@ -296,7 +301,7 @@ where
 
     #[inline]
     fn next(&mut self) -> Option<Self::Item> {
-        self.step()
+        self.step(None)
     }
 }
 

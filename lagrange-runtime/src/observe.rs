@@ -92,12 +92,13 @@ where
     }
     loop {
         let memory = if W::WITHIN { Some(run.memory()?.clone()) } else { None };
-        let Some(step) = run.advance() else { break };
+        let Some(step) = run.advance_towards(observer.aim(&seen)) else { break };
         let step = step?;
         let (mut dense, mut last) = (None, None);
         let outline = outline::<Sys, M, N>(&run.engine().method, &step).filter(|_| W::WITHIN);
-        let outlook =
-            outline.map_or(Outlook::Unclear, |outline| observer.outlook(&mut seen, system, &outline));
+        let outlook = outline.map_or(Outlook::Unclear, |outline| {
+            observer.outlook(&mut seen, system, &outline, run.engine().h)
+        });
         if let (Outlook::Crossing(landing), Some(outline), Some(memory)) = (outlook, &outline, &memory)
             && Sys::SWITCHES == 0
             && observer.wanted(&seen).is_none()
@@ -107,7 +108,7 @@ where
                 |landing: &mut Landing, reached: &_, tolerates: &dyn Fn(&Tangent<f64, N>) -> bool| {
                     observer.approach(&mut seen, system, outline, landing, reached, tolerates)
                 };
-            last = approached(engine, system, memory, &step, landing, approach);
+            last = approached(engine, system, memory, (&step, outline), landing, approach);
         }
         if let Some(memory) = memory.filter(|_| last.is_none() && outlook != Outlook::Clear) {
             let parts = run.engine().method.parts(&memory, step.h);

@@ -14,6 +14,10 @@ pub(crate) const MOVED: f64 = 1e-7;
 /// Parts of a step by which Newton's method may leave the root of the interpolant.
 const NEARBY: f64 = 1.0 / 16.0;
 
+/// The error of the motion beside the end of a step, in units of its parts of fourth and fifth order. (The interpolant
+/// misses `q⁽⁶⁾ h⁶/720 s³`, which is as much where s is a thirtieth of a step in which the motion turns once.)
+const DOUBTED: f64 = 4.0;
+
 /// Steps that Newton's method may take.
 const CORRECTIONS: u32 = 4;
 
@@ -50,6 +54,27 @@ pub struct Landing {
     tries: u32,
 }
 
+/// The root of g on the interpolant of an outline, and dg/dx there, by three steps of the secant from nearby.
+pub(crate) fn refined<S: Real, E: Bound<S, N, K>, const N: usize, const K: usize>(
+    events: &E,
+    outline: &Outline<S, N>,
+    event: usize,
+    [mut x, mut slope]: [f64; 2],
+) -> [f64; 2] {
+    let g = |x: f64| events.value(event, &outline.between(x)).to_f64();
+    let mut value = g(x);
+    for _ in 0..2 {
+        let next = x - value / slope;
+        let of_next = g(next);
+        // (Not of rounding.)
+        if (next - x).abs() > MOVED {
+            slope = (of_next - value) / (next - x);
+        }
+        (x, value) = (next, of_next);
+    }
+    [x - value / slope, slope]
+}
+
 /// Outcome of a step on the way to an event.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Progress<S, const N: usize> {
@@ -62,25 +87,22 @@ pub enum Progress<S, const N: usize> {
 }
 
 impl Landing {
-    /// The way to the root of an event near `x`, where dg/dx is about `slope`, on the interpolant of an outline.
+    /// The way to the root of an event near the place where the cubic through the ends of the step has one, with the
+    /// slope dg/dx: to that of its quintic, unless it is near the end, from which it is better [known](Self::from_end).
     pub(crate) fn near<S: Real, E: Bound<S, N, K>, const N: usize, const K: usize>(
         events: &E,
         outline: &Outline<S, N>,
         event: usize,
-        [mut x, mut slope]: [f64; 2],
+        at: [f64; 2],
     ) -> Self {
-        let g = |x: f64| events.value(event, &outline.between(x)).to_f64();
-        let mut value = g(x);
-        for _ in 0..2 {
-            let next = x - value / slope;
-            let of_next = g(next);
-            // (Not of rounding.)
-            if (next - x).abs() > MOVED {
-                slope = (of_next - value) / (next - x);
-            }
-            (x, value) = (next, of_next);
-        }
-        Landing::new(event, x - value / slope, slope)
+        let is_near = 1.0 - at[0] <= NEARBY;
+        let [x, slope] = if is_near { at } else { refined(events, outline, event, at) };
+        Landing::new(event, x, slope)
+    }
+
+    /// The same way from the end of the step itself, to an event near it.
+    pub(crate) fn from_end(self) -> Option<Self> {
+        (1.0 - self.x <= NEARBY).then_some(Landing { x: 1.0, ..self })
     }
 
     /// The way to the root `x` of an interpolant, on which dg/dx there is `slope`.
@@ -117,7 +139,7 @@ impl Landing {
         if is_near && self.tries < CORRECTIONS { Progress::Again } else { Progress::Lost }
     }
 
-    /// The same of a step that was `reached` from the start of one of size h, by the motion after it. `tolerates` asks
+    /// The same of a step that was `reached` from the start of one of size h, by the motion beside its end. `tolerates` asks
     /// the controller about an error, if there is a tolerance.
     pub(crate) fn step<S: Real, const N: usize>(
         &mut self,
@@ -126,10 +148,10 @@ impl Landing {
         g: impl Fn(&State<S, N>) -> S,
         tolerates: impl Fn(&Tangent<S, N>) -> bool,
     ) -> Progress<S, N> {
-        let after = After::new(reached);
+        let beside = Beside::new(reached);
         let time = |parts: f64| h * S::from_f64(parts);
-        let suffices = |rest: f64| rest.abs() <= MOVED || tolerates(&after.added(time(rest)));
-        self.next(&reached.ends[1], resolution, g, suffices, |parts| after.at(time(parts)))
+        let suffices = |rest: f64| rest.abs() <= MOVED || tolerates(&beside.doubt(time(rest)));
+        self.next(&reached.ends[1], resolution, g, suffices, |parts| beside.at(time(parts)))
     }
 
     /// Moves a state by what is left to where g vanishes, since it is a function of time, which is rounded.
@@ -163,41 +185,58 @@ impl Landing {
     }
 }
 
-/// The motion right after a step that was made towards an event: by the velocity and the acceleration at its end, and
-/// the third derivative of the quintic Hermite interpolant there,
-/// `(60 Δq − h (24 q̇₀ + 36 q̇₁) − h² (3 q̈₀ − 9 q̈₁)) / h³`.
-pub(crate) struct After<'a, S, const N: usize> {
+/// The motion beside the end of a step that was made towards an event: the quintic Hermite interpolant, by its
+/// derivatives there. With s = dt/h from the end, v = h q̇ and a = h² q̈,
+///
+///   q = q₁ + v₁ s + ½ a₁ s² + c₃ s³ + c₄ s⁴ + c₅ s⁵,
+///   c₃ = 10 P − 4 Q − ½ R,   c₄ = 15 P − 7 Q − R,   c₅ = 6 P − 3 Q − ½ R,
+///   P = q₁ − q₀ − v₁ + ½ a₁,   Q = v₀ − v₁ + a₁,   R = a₀ − a₁.
+pub(crate) struct Beside<'a, S, const N: usize> {
     reached: &'a Outline<S, N>,
-    third: SVector<S, N>,
+    coefficients: [SVector<S, N>; 3],
 }
 
-impl<'a, S: Real, const N: usize> After<'a, S, N> {
+impl<'a, S: Real, const N: usize> Beside<'a, S, N> {
     pub fn new(reached: &'a Outline<S, N>) -> Self {
-        let (Outline { ends: [from, to], accelerations: [a, b], h }, number) = (reached, S::from_f64);
-        let third = SVector::from_fn(|i, _| {
-            let velocities = from.qd[i] * number(24.0) + to.qd[i] * number(36.0);
-            let accelerations = b[i] * number(9.0) - a[i] * number(3.0);
-            (((to.q[i] - from.q[i]) * number(60.0) / *h - velocities) / *h + accelerations) / *h
-        });
-        After { reached, third }
+        let (Outline { ends: [from, to], accelerations, h }, number) = (reached, S::from_f64);
+        let part = |p: f64, q: f64, r: f64| {
+            SVector::from_fn(|i, _| {
+                let [a0, a1] = [0, 1].map(|end| accelerations[end][i] * *h * *h);
+                let [v0, v1] = [from, to].map(|end| end.qd[i] * *h);
+                let [one, two] = [to.q[i] - from.q[i] - v1 + a1 * number(0.5), v0 - v1 + a1];
+                one * number(p) - two * number(q) - (a0 - a1) * number(r)
+            })
+        };
+        let coefficients = [part(10.0, 4.0, 0.5), part(15.0, 7.0, 1.0), part(6.0, 3.0, 0.5)];
+        Beside { reached, coefficients }
     }
 
-    /// The part of the third derivative in the motion over the time `dt`. It is known to some per cent, so that the
-    /// state is as good as a step where this part is tolerated.
-    pub fn added(&self, dt: S) -> Tangent<S, N> {
-        let square = dt * dt;
-        let [half, sixth] = [square * S::from_f64(0.5), square * dt / S::from_f64(6.0)];
-        Tangent { q: self.third * sixth, qd: self.third * half }
+    /// What the state at the time `dt` after the end is in doubt by: a few times its parts of fourth and fifth order.
+    pub fn doubt(&self, dt: S) -> Tangent<S, N> {
+        let ([_, fourth, fifth], number, s) = (&self.coefficients, S::from_f64, dt / self.reached.h);
+        let cube = s * s * s * number(DOUBTED);
+        Tangent {
+            q: (fourth + fifth * s) * (cube * s),
+            qd: (fourth * number(4.0) + fifth * (number(5.0) * s)) * (cube / self.reached.h),
+        }
     }
 
-    /// The state at the time `dt` after the step.
+    /// The state at the time `dt` after the end.
     pub fn at(&self, dt: S) -> State<S, N> {
         let (at, acceleration) = (&self.reached.ends[1], &self.reached.accelerations[1]);
-        let (half, added) = (S::from_f64(0.5) * dt, self.added(dt));
+        let ([third, fourth, fifth], number, s) = (&self.coefficients, S::from_f64, dt / self.reached.h);
+        let (half, square) = (number(0.5) * dt, s * s);
         State {
             t: at.t + dt,
-            q: SVector::from_fn(|i, _| at.q[i] + (added.q[i] + (at.qd[i] + acceleration[i] * half) * dt)),
-            qd: SVector::from_fn(|i, _| at.qd[i] + (added.qd[i] + acceleration[i] * dt)),
+            q: SVector::from_fn(|i, _| {
+                let rest = third[i] + (fourth[i] + fifth[i] * s) * s;
+                at.q[i] + (rest * (square * s) + (at.qd[i] + acceleration[i] * half) * dt)
+            }),
+            qd: SVector::from_fn(|i, _| {
+                let rest =
+                    third[i] * number(3.0) + (fourth[i] * number(4.0) + fifth[i] * (number(5.0) * s)) * s;
+                at.qd[i] + (rest * (square / self.reached.h) + acceleration[i] * dt)
+            }),
         }
     }
 }

@@ -230,13 +230,13 @@ where
     Some(Outline { ends: [step.from, step.to], accelerations, h: step.h })
 }
 
-/// The state at the event that a step has alone: `approach` is shown steps from its start, and told what the controller
-/// tolerates. None if they do not lead there.
+/// The state at the event that a step has alone: `approach` is shown the step itself if it ends nearby, and steps from
+/// its start, and told what the controller tolerates. None if they do not lead there.
 pub(crate) fn approached<Sys, M, C, const N: usize>(
     engine: &mut Engine<Sys, M, C, N>,
     system: &Sys,
     memory: &M::MethodState,
-    step: &Step<Sys, M, N>,
+    (step, outline): (&Step<Sys, M, N>, &Outline<Sys::Scalar, N>),
     mut landing: Landing,
     mut approach: impl FnMut(
         &mut Landing,
@@ -250,13 +250,19 @@ where
     C: Controller<Sys::Scalar, N, M::Error>,
 {
     let adaptive = !matches!(engine.controller.first_step(), FirstStep::Fixed(_));
+    if let Some(mut landing) = landing.from_end() {
+        let tolerates =
+            |error: &Tangent<_, N>| adaptive && engine.controller.norm(error, &step.from, &step.to) <= 1.0;
+        if let Progress::Landed(state) = approach(&mut landing, outline, &tolerates) {
+            return Some(state);
+        }
+    }
     loop {
         let h = step.h * Sys::Scalar::from_f64(landing.x);
         let (one, _) = engine.attempt_from(system, memory, &step.from, h).ok()?;
-        let reached = outline(&engine.method, &one)?;
-        let tolerates = |error: &Tangent<_, N>| {
-            adaptive && engine.controller.norm(error, &reached.ends[0], &reached.ends[1]) <= 1.0
-        };
+        let reached = self::outline(&engine.method, &one)?;
+        let tolerates =
+            |error: &Tangent<_, N>| adaptive && engine.controller.norm(error, &one.from, &one.to) <= 1.0;
         match approach(&mut landing, &reached, &tolerates) {
             Progress::Again => {}
             Progress::Landed(state) => return Some(state),

@@ -2,7 +2,7 @@
 
 use super::definition::Bound;
 use super::within::Within;
-use crate::scalar::Real;
+use crate::scalar::{Functions, Real};
 use crate::state::{State, add_scaled};
 use nalgebra::SVector;
 
@@ -203,6 +203,22 @@ impl<F: Fn() -> [f64; 2]> Seen<F> {
             && self.deviates(sign, cubic, |deviation| 4.0 / 3.0 * MARGIN * deviation < spare)
     }
 
+    /// The place of the next zero of g, at most `horizon` steps after this one, and its slope there, by the parabola
+    /// through g, its rate and its second derivative at the end, where g approaches zero from the given sign.
+    #[inline(always)]
+    pub fn approaches(&self, sign: f64, horizon: f64) -> Option<[f64; 2]> {
+        let [_, b1, b2, b3] = self.cubic(sign);
+        let rate = sign * self.rates[1];
+        let bend = self.bends.map_or(6.0 * (b1 - 2.0 * b2 + b3), |[_, bend]| sign * bend);
+        // (Most steps lead to none: without a root.)
+        if !(rate < 0.0 && b3 + (rate + 0.5 * bend.min(0.0) * horizon) * horizon < 0.0) {
+            return None;
+        }
+        let slope = -Functions::sqrt(rate * rate - 2.0 * b3 * bend);
+        let u = -2.0 * b3 / (rate + slope);
+        (u <= horizon).then_some([1.0 + u, sign * slope])
+    }
+
     /// The root of the cubic and its slope there, if g goes from the given sign to the other one and nowhere back, with
     /// |g| > `least` at both ends.
     ///
@@ -214,8 +230,7 @@ impl<F: Fn() -> [f64; 2]> Seen<F> {
         let [b0, b1, b2, b3] = cubic;
         let falls = [b0 - b1, b1 - b2, b2 - b3];
         let spare = falls[0].min(falls[1]).min(falls[2]) - MISSED * change;
-        let least = least.max(AHEAD * change);
-        let crosses = b0 > least
+        let crosses = b0 > least.max(AHEAD * change)
             && b3 < -least
             && spare > 0.0
             && self.deviates(sign, cubic, |deviation| 16.0 / 15.0 * MARGIN * deviation < spare);

@@ -302,16 +302,27 @@ impl Scan {
         seen.crosses(self.sign, 4.0 * NEAR * self.scale)
     }
 
+    /// The place at which the event is expected to end the run after a step without it, at most `horizon` steps later,
+    /// and the slope of g there.
+    #[inline(always)]
+    pub fn approaches<F: Fn() -> [f64; 2]>(
+        &self,
+        kind: &EventKind,
+        seen: &Seen<F>,
+        horizon: f64,
+    ) -> Option<[f64; 2]> {
+        let wanted = kind.direction == Direction::Either || kind.direction == leaving(self.sign);
+        if kind.terminal && wanted { seen.approaches(self.sign, horizon) } else { None }
+    }
+
     /// The direction in which g leaves its side of zero.
     pub fn leaves(&self) -> Direction {
         leaving(self.sign)
     }
 
     /// A root at `x`, alone in its step.
-    pub fn find(&mut self, x: f64) -> Direction {
-        let direction = self.leaves();
-        self.found = Some(Found::Root { x, direction });
-        direction
+    pub fn find(&mut self, x: f64) {
+        self.found = Some(Found::Root { x, direction: self.leaves() });
     }
 
     /// A step begins.

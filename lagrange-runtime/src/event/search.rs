@@ -2,7 +2,7 @@
 
 use super::Direction;
 use super::definition::Bound;
-use super::landing::{Landing, Outlook, ROUNDINGS};
+use super::landing::{Landing, Outlook, ROUNDINGS, refined};
 use super::outline::Outline;
 use super::scan::{Found, Grid, Scan};
 use super::sides::Side;
@@ -19,6 +19,29 @@ pub(crate) const MOST_PARTS: u32 = 1 << 24;
 
 /// Length of the step that may have led to the start of a run, in units of its first one, which is a cautious guess.
 const LAST_STEP: f64 = 16.0;
+
+/// Steps that may be aimed at an event and not meet it: g may tend to zero and never come there.
+const AIMS: u8 = 3;
+
+/// Parts of a step by which one that is aimed at an event leads beyond it.
+const BEYOND: f64 = 1.0 / 256.0;
+
+/// The time after a step to a little beyond the zero of g that is expected `ahead` of it, by the quintic Hermite
+/// interpolant; ∞ if that does not lead there. Its error grows as `(x (x − 1))³` with the place.
+fn beyond<S: Real, E: Bound<S, N, K>, const N: usize, const K: usize>(
+    events: &E,
+    outline: &Outline<S, N>,
+    event: usize,
+    ahead: [f64; 2],
+) -> f64 {
+    let [x, _] = refined(events, outline, event, ahead);
+    let (u, reach) = (x - 1.0, x * (x - 1.0));
+    let beyond = u * (1.0 + BEYOND) + BEYOND * reach * reach * reach;
+    if u > AHEAD && u < 2.0 * ahead[0] { beyond * outline.h.to_f64().abs() } else { f64::INFINITY }
+}
+
+/// Parts of a step after which the next event is far enough ahead to be aimed at.
+const AHEAD: f64 = 1.0 / 1024.0;
 
 /// The change of g within the rounding of a state: to the neighbours along the motion, and of its time and of each
 /// coordinate and velocity alone. Of the two neighbours on each axis, the sums of the smaller and of the larger
@@ -79,14 +102,19 @@ pub(crate) struct Search<const K: usize> {
     scans: [Scan; K],
     /// No step has been looked at since the start or the last restart.
     first: bool,
+    /// The time of the next step that leads a little beyond an event that ends the run, as far as the last one tells;
+    /// ∞ if it tells of none.
+    aim: f64,
+    /// Steps that were aimed so and did not meet it.
+    missed: u8,
 }
 
 impl<const K: usize> Search<K> {
-    pub const NEW: Search<K> = Search { scans: [Scan::NEW; K], first: true };
+    pub const NEW: Search<K> = Search { scans: [Scan::NEW; K], first: true, aim: f64::INFINITY, missed: 0 };
 
     /// The run goes on from another state than the one reached.
     pub fn restart(&mut self) {
-        self.first = true;
+        (self.first, self.aim, self.missed) = (true, f64::INFINITY, 0);
         self.scans.iter_mut().for_each(Scan::restart);
     }
 
@@ -128,25 +156,31 @@ impl<const K: usize> Search<K> {
     /// The events in a step, as far as its ends show them, under the
     /// [assumptions](crate::event#what-is-found-and-what-can-be-missed) made there. If there is none, the search is at
     /// its end then. If there is one alone, it is [`landed`](Self::landed) at, or [`enter`](Self::enter) follows, as it
-    /// does otherwise.
+    /// does otherwise. The step after it is to have the size `next`, unless it is [aimed](Self::aim) at an event.
     #[inline(always)]
     pub fn outlook<S: Real, E: Bound<S, N, K>, const N: usize>(
         &mut self,
         events: &E,
         outline: &Outline<S, N>,
+        next: S,
     ) -> Outlook {
         let (mut crossing, mut unclear) = (None, false);
+        self.missed += u8::from(outline.h.to_f64().abs() >= self.aim);
+        self.aim = f64::INFINITY;
+        let horizon = if self.missed < AIMS { (next / outline.h).to_f64() } else { 0.0 };
         for (event, scan) in self.scans.iter_mut().enumerate() {
             let seen = outline.seen(events, event, scan.g);
             if !scan.passes(&events.kind(event), &seen) {
                 unclear |= self.first || crossing.is_some();
                 crossing = scan.crosses(&events.kind(event), &seen).map(|x| (event, x));
                 unclear |= crossing.is_none();
+            } else if let Some(ahead) = scan.approaches(&events.kind(event), &seen, horizon) {
+                self.aim = self.aim.min(beyond(events, outline, event, ahead));
             }
         }
         match crossing {
             _ if unclear => Outlook::Unclear,
-            Some((event, x)) => Outlook::Crossing(Landing::near(events, outline, event, x)),
+            Some((event, at)) => Outlook::Crossing(Landing::near(events, outline, event, at)),
             None => {
                 self.first = false;
                 Outlook::Clear
@@ -154,8 +188,13 @@ impl<const K: usize> Search<K> {
         }
     }
 
+    /// The time of the step after one without events that leads a little beyond an event that ends the run, where it
+    /// is expected.
+    pub fn aim(&self) -> f64 {
+        self.aim
+    }
+
     /// The direction of an event that a step has alone.
-    #[cfg(feature = "std")]
     pub fn direction(&self, event: usize) -> Direction {
         self.scans[event].leaves()
     }
@@ -167,11 +206,10 @@ impl<const K: usize> Search<K> {
         step: &(impl Within<S, N> + ?Sized),
         (event, x): (usize, f64),
         state: &State<S, N>,
-    ) -> Direction {
-        let direction = self.scans[event].find(x);
+    ) {
+        self.scans[event].find(x);
         self.first = false;
         self.met(events, step, event, x, state);
-        direction
     }
 
     /// Begins to look at a step, at those events of which its ends have not shown that they are not in it.

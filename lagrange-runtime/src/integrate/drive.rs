@@ -43,6 +43,16 @@ pub trait Drive<const N: usize> {
     #[doc(hidden)]
     fn advance(&mut self) -> Option<Result<Step<Self::System, Self::Method, N>, Failure<Number<Self, N>>>>;
 
+    /// The same, of an adaptive step so long at most, that leads to an event. A motion that is left and goes on makes
+    /// the steps that it makes without events.
+    #[doc(hidden)]
+    fn advance_towards(
+        &mut self,
+        _: f64,
+    ) -> Option<Result<Step<Self::System, Self::Method, N>, Failure<Number<Self, N>>>> {
+        self.advance()
+    }
+
     /// Ends the motion with a failure of its own or of what consumes its steps.
     #[doc(hidden)]
     fn fail(&mut self, failure: Failure<Number<Self, N>>) -> Failure<Number<Self, N>>;

@@ -437,18 +437,19 @@ where
     }
 
     /// The next step, if there is one left. If it is `UNSEEN`, nobody asks for its interpolant. (A constant, by which
-    /// rustc compiles one of two steps.)
+    /// rustc compiles one of two steps.) An adaptive step beyond the time `aim` is shortened to it.
     #[cfg_attr(not(debug_assertions), inline(always))]
     pub fn step<const UNSEEN: bool>(
         &mut self,
         system: &Sys,
+        aim: Option<f64>,
     ) -> Result<Option<Step<Sys, M, N>>, Failure<Sys::Scalar>> {
         self.without_impulse()?;
         let equal = matches!(self.controller.first_step(), FirstStep::Fixed(_));
         if Self::EQUAL && (!Self::ADAPTIVE || equal) {
             self.fixed_step::<UNSEEN>(system)
         } else {
-            self.adaptive_step(system)
+            self.adaptive_step(system, aim)
         }
     }
 
@@ -702,7 +703,11 @@ where
     }
 
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn adaptive_step(&mut self, system: &Sys) -> Result<Option<Step<Sys, M, N>>, Failure<Sys::Scalar>> {
+    fn adaptive_step(
+        &mut self,
+        system: &Sys,
+        aim: Option<f64>,
+    ) -> Result<Option<Step<Sys, M, N>>, Failure<Sys::Scalar>> {
         let t = self.state.t;
         if self.end == Some(t) {
             return Ok(None);
@@ -724,6 +729,10 @@ where
                 (Self::SWITCHES && self.approach.is_near()).then_some(self.approach.h),
                 self.end.map(|end| end - t),
             );
+            let aimed = aim.filter(|_| !Self::SWITCHES).and_then(|aim| rules::towards_event(h, aim));
+            if let Some(size) = aimed {
+                (h, lands) = (size, false);
+            }
             if !lands && rules::underflows(t, self.h) {
                 return Err(rules::underflowed(system, &self.state, self.h, cause));
             }
@@ -773,7 +782,10 @@ where
             }
             match verdict {
                 Verdict::Accept { factor } if !again => {
-                    self.h = rules::next_step(self.h, h, factor, true, lands || stopped || near);
+                    self.h = {
+                        let cut = lands || stopped || near || aimed.is_some();
+                        rules::next_step(self.h, h, factor, true, cut)
+                    };
                     self.longest = self.longest.max(step.h.to_f64().abs());
                     if Self::DEPENDENT && (self.across != [false; 2] || Sys::Scalar::SLOPES > 0) {
                         self.gets_across(system, step)?;

@@ -111,6 +111,14 @@ pub fn towards_end<S: Real>(h: S, to_switch: Option<f64>, rest: Option<S>) -> (S
     }
 }
 
+/// The step that is tried in place of `h` if it would lead to an event that ends the run: the time `aim`, a little
+/// beyond it. A step is longer by up to 1 % for that, as for the [end](towards_end).
+#[inline(always)]
+pub fn towards_event<S: Real>(h: S, aim: f64) -> Option<S> {
+    let size = h.to_f64();
+    (1.01 * size.abs() >= aim).then(|| S::from_f64(aim.copysign(size)))
+}
+
 /// A tenth of the step does not change the time.
 #[inline(always)]
 pub fn underflows<S: Real>(t: S, h: S) -> bool {

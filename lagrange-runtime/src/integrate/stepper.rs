@@ -521,7 +521,7 @@ where
         let step = self.aim(target).and_then(|end| {
             self.engine.may_prepare()?;
             self.engine.towards(&self.system, end)?;
-            self.engine.step::<UNSEEN>(&self.system)
+            self.engine.step::<UNSEEN>(&self.system, None)
         });
         match step {
             Ok(Some(step)) => Ok(step),

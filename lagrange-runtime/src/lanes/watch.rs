@@ -63,13 +63,27 @@ pub trait Observer<Sys: System<N, Scalar = f64>, const N: usize> {
         Ok(None)
     }
 
-    /// Events of an accepted step, as far as its ends show them. If there are none, [`within`](Self::within) is not
+    /// Events of an accepted step, as far as its ends show them; the size of the next one is `next`. If there are none, [`within`](Self::within) is not
     /// called, and no interpolant made. If it is one event, which ends the trajectory, steps are made towards it and
     /// shown to [`approach`](Self::approach).
     #[doc(hidden)]
-    fn outlook(&self, memory: &mut Self::Accumulator, system: &Sys, step: &Outline<f64, N>) -> Outlook {
-        let _ = (memory, system, step);
+    fn outlook(
+        &self,
+        memory: &mut Self::Accumulator,
+        system: &Sys,
+        step: &Outline<f64, N>,
+        next: f64,
+    ) -> Outlook {
+        let _ = (memory, system, step, next);
         Outlook::Unclear
+    }
+
+    /// The time of the next step to a little beyond the event that ends the trajectory, where it is expected; ∞
+    /// elsewhere.
+    #[doc(hidden)]
+    fn aim(&self, memory: &Self::Accumulator) -> f64 {
+        let _ = memory;
+        f64::INFINITY
     }
 
     /// A step towards an event, `reached` from the start of `step`, with the errors that the controller tolerates. If
@@ -318,13 +332,19 @@ where
         Happened { search, at_end, .. }: &mut Self::Accumulator,
         system: &Sys,
         step: &Outline<f64, N>,
+        next: f64,
     ) -> Outlook {
         at_end.clear();
         let events = On(&self.events, system);
         match search.begin(&events, &step.ends[0]) {
-            Ok(()) => search.outlook(&events, step),
+            Ok(()) => search.outlook(&events, step, next),
             Err(_) => Outlook::Unclear,
         }
+    }
+
+    #[inline(always)]
+    fn aim(&self, happened: &Self::Accumulator) -> f64 {
+        happened.search.aim()
     }
 
     fn approach(
@@ -409,12 +429,23 @@ where
     }
 
     #[inline(always)]
-    fn outlook(&self, memory: &mut Self::Accumulator, system: &Sys, step: &Outline<f64, N>) -> Outlook {
+    fn outlook(
+        &self,
+        memory: &mut Self::Accumulator,
+        system: &Sys,
+        step: &Outline<f64, N>,
+        next: f64,
+    ) -> Outlook {
         if A::WITHIN {
-            self.0.outlook(&mut memory.0, system, step)
+            self.0.outlook(&mut memory.0, system, step, next)
         } else {
-            self.1.outlook(&mut memory.1, system, step)
+            self.1.outlook(&mut memory.1, system, step, next)
         }
+    }
+
+    #[inline(always)]
+    fn aim(&self, memory: &Self::Accumulator) -> f64 {
+        if A::WITHIN { self.0.aim(&memory.0) } else { self.1.aim(&memory.1) }
     }
 
     fn approach(

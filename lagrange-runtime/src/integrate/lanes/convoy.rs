@@ -270,6 +270,11 @@ where
                 let approach = &pack.paces.approach[i];
                 let to_switch = (switching && approach.is_near()).then_some(approach.h);
                 (tried[i], lands[i]) = rules::towards_end(h, to_switch, Some(end - t[i]));
+                if const { W::WITHIN && <Packed<Sys, P, A, N> as System<N>>::SWITCHES == 0 } {
+                    let aimed = rules::towards_event(tried[i], pack.paces.aim[i]);
+                    pack.paces.aimed[i] = aimed.is_some();
+                    (tried[i], lands[i]) = aimed.map_or((tried[i], lands[i]), |size| (size, false));
+                }
                 stuck |= pack.live[i] & !lands[i] & rules::underflows(t[i], h);
                 tiny |= pack.live[i] & rules::is_tiny(h, pack.paces.longest[i]);
             }
@@ -429,13 +434,7 @@ where
                         way.evaluations += step.as_ref().map_or(0, |step| u64::from(step.evaluations));
                         let Approached { outline, landing, .. } = way;
                         let ends = reached.ends.map(|at| at.map(SingleLane::new));
-                        let tolerates = |error: &Tangent<f64, N>| {
-                            let error = Tangent {
-                                q: error.q.map(SingleLane::new),
-                                qd: error.qd.map(SingleLane::new),
-                            };
-                            !self.fixed() && self.controller.alone().norm(&error, &ends[0], &ends[1]) <= 1.0
-                        };
+                        let tolerates = |error: &Tangent<f64, N>| self.tolerates(error, &ends);
                         self.watch.approach(watched, &job.system, outline, landing, reached, &tolerates)
                     }
                     _ => Progress::Lost,
@@ -462,6 +461,12 @@ where
                 ways[lane] = None;
             }
         }
+    }
+
+    /// Returns whether the controller tolerates an error of a step.
+    pub fn tolerates(&self, error: &Tangent<f64, N>, ends: &[State<SingleLane<P, A>, N>; 2]) -> bool {
+        let error = Tangent { q: error.q.map(SingleLane::new), qd: error.qd.map(SingleLane::new) };
+        !self.fixed() && self.controller.alone().norm(&error, &ends[0], &ends[1]) <= 1.0
     }
 
     /// Looks for the reasons why lanes cannot make their steps: the same step of each lane alone tells.

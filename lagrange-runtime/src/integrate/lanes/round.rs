@@ -5,7 +5,7 @@ use super::course::{Apart, Course, Inside, Looked, Own, Which};
 use super::job::{Alone, ErrorOf, Jobs, LANES, MemoryOf, Packed};
 use super::pack::{Occupant, Paces};
 use crate::controller::{Controller, Verdicts};
-use crate::event::landing::Outlook;
+use crate::event::landing::{Outlook, Progress};
 use crate::event::outline::Outline;
 use crate::failure::Failure;
 use crate::integrate::rules;
@@ -15,7 +15,7 @@ use crate::lanes::{
 };
 use crate::method::Method;
 use crate::scalar::Scalar;
-use crate::state::State;
+use crate::state::{State, Tangent};
 use crate::system::System;
 
 /// The interpolant of a lane alone.
@@ -134,7 +134,7 @@ where
         }
         let mut outlooks = Outlooks { aside: [false; LANES], landings: vec![], looks: fates.accepted };
         if W::WITHIN && !pack.searches {
-            self.outlooks(pack, step, &own, &mut fates, &mut outlooks);
+            self.outlooks(pack, step, &own, &mut fates, &mut ends, &mut outlooks);
         }
         self.observed(pack, step, &own, looked, &outlooks.looks, &mut fates, &mut ends);
 
@@ -253,7 +253,8 @@ where
         for i in 0..LANES {
             let good = pack.live[i] & fates.finite[i] & fates.good[i];
             let at = if fates.lands[i] { end } else { to[i] };
-            let short = fates.lands[i] | fates.early[i] | fates.near[i];
+            let aimed = W::WITHIN & paces.aimed[i];
+            let short = fates.lands[i] | fates.early[i] | fates.near[i] | aimed;
             let next = rules::next_step(paces.h[i], fates.tried[i], fates.factor[i], good, short);
             paces.h[i] = if pack.live[i] { next } else { 0.0 };
             to[i] = at;
@@ -337,10 +338,11 @@ where
         step: &StepOf<Sys, M, P, A, N>,
         own: &[Own<Alones<M, Sys, P, A, N>>],
         fates: &mut Fates,
+        ends: &mut Ends<N>,
         outlooks: &mut Outlooks<N>,
     ) {
-        let ends = <M as Method<Packed<Sys, P, A, N>, N>>::end_accelerations(self.method, step);
-        let Some(accelerations) = ends else { return };
+        let accelerations = <M as Method<Packed<Sys, P, A, N>, N>>::end_accelerations(self.method, step);
+        let Some(accelerations) = accelerations else { return };
         for i in 0..LANES {
             let Some(Occupant { job, watched }) = &mut pack.occupants[i] else { continue };
             if !fates.accepted[i] {
@@ -356,10 +358,33 @@ where
             // (A step that was made alone has left no accelerations here.)
             let outlook = match own.iter().any(|own| own.lane == i) {
                 true => Outlook::Unclear,
-                false => self.watch.outlook(watched, &job.system, &outline),
+                false => self.watch.outlook(watched, &job.system, &outline, pack.paces.h[i]),
             };
+            pack.paces.aim[i] = f64::INFINITY;
             let lands = const { <Packed<Sys, P, A, N> as System<N>>::SWITCHES == 0 }
                 && self.watch.wanted(watched).is_none();
+            match outlook {
+                Outlook::Clear => pack.paces.aim[i] = self.watch.aim(watched),
+                Outlook::Crossing(landing) if lands => {
+                    if let Some(mut landing) = landing.from_end() {
+                        let alone = outline.ends.map(|at| at.map(SingleLane::new));
+                        let tolerates = |error: &Tangent<f64, N>| self.tolerates(error, &alone);
+                        let progress = self.watch.approach(
+                            watched,
+                            &job.system,
+                            &outline,
+                            &mut landing,
+                            &outline,
+                            &tolerates,
+                        );
+                        if let Progress::Landed(state) = progress {
+                            ends.0.push((i, Ok(state)));
+                            continue;
+                        }
+                    }
+                }
+                _ => {}
+            }
             let aside = outlook != Outlook::Clear;
             outlooks.aside[i] = aside;
             if let Outlook::Crossing(landing) = outlook
@@ -418,6 +443,7 @@ where
                         stepped: &stepped,
                     };
                     let end = self.watch.within(watched, &job.system, &inside).transpose();
+                    pack.paces.aim[i] = f64::INFINITY;
                     ends.0.extend(end.map(|end| (i, end)));
                 }
             }
