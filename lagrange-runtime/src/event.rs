@@ -355,7 +355,7 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
             let memory = self.run.memory()?.clone();
             self.search.begin(&On(&self.events, self.run.system()), self.run.state())?;
             // (It stays where it is: steps are large.)
-            let advanced = self.run.advance_towards(self.search.aim());
+            let advanced = self.run.advance_towards(Some(self.search.aim()));
             let step = match &advanced {
                 Some(Ok(step)) => step,
                 Some(Err(failure)) => return Err(*failure),

@@ -263,13 +263,9 @@ where
     }
 
     #[inline]
-    fn advance(&mut self) -> Option<Result<Step<Sys, M, N>, Failure<Sys::Scalar>>> {
-        self.step(None)
-    }
-
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn advance_towards(&mut self, aim: f64) -> Option<Result<Step<Sys, M, N>, Failure<Sys::Scalar>>> {
-        self.step(Some(aim))
+    fn advance_towards(&mut self, aim: Option<f64>) -> Option<Result<Step<Sys, M, N>, Failure<Sys::Scalar>>> {
+        self.step(aim)
     }
 
     #[cold]

@@ -92,7 +92,7 @@ where
     }
     loop {
         let memory = if W::WITHIN { Some(run.memory()?.clone()) } else { None };
-        let Some(step) = run.advance_towards(observer.aim(&seen)) else { break };
+        let Some(step) = run.advance_towards(Some(observer.aim(&seen))) else { break };
         let step = step?;
         let (mut dense, mut last) = (None, None);
         let outline = outline::<Sys, M, N>(&run.engine().method, &step).filter(|_| W::WITHIN);

@@ -41,17 +41,16 @@ pub trait Drive<const N: usize> {
 
     /// Takes the next step, if there is one left.
     #[doc(hidden)]
-    fn advance(&mut self) -> Option<Result<Step<Self::System, Self::Method, N>, Failure<Number<Self, N>>>>;
+    fn advance(&mut self) -> Option<Result<Step<Self::System, Self::Method, N>, Failure<Number<Self, N>>>> {
+        self.advance_towards(None)
+    }
 
-    /// The same, of an adaptive step so long at most, that leads to an event. A motion that is left and goes on makes
-    /// the steps that it makes without events.
+    /// The same; an adaptive step beyond the time `aim` is shortened to it.
     #[doc(hidden)]
     fn advance_towards(
         &mut self,
-        _: f64,
-    ) -> Option<Result<Step<Self::System, Self::Method, N>, Failure<Number<Self, N>>>> {
-        self.advance()
-    }
+        aim: Option<f64>,
+    ) -> Option<Result<Step<Self::System, Self::Method, N>, Failure<Number<Self, N>>>>;
 
     /// Ends the motion with a failure of its own or of what consumes its steps.
     #[doc(hidden)]

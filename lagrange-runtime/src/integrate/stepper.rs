@@ -312,7 +312,7 @@ where
     #[inline]
     pub fn step(&mut self) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
         self.allow(self.max_steps);
-        self.go::<false>(None)
+        self.go::<false>(None, None)
     }
 
     /// Goes forward to the time t exactly: afterwards `state().t == t`. Control laws with a sampling instant at t are
@@ -463,7 +463,7 @@ where
 
     fn arrive(&mut self, t: Sys::Scalar) -> Result<(), Failure<Sys::Scalar>> {
         while !self.has_reached(t)? {
-            self.go::<true>(Some(t))?;
+            self.go::<true>(Some(t), None)?;
         }
         self.act()
     }
@@ -510,18 +510,20 @@ where
         self.engine.towards(&self.system, end)
     }
 
-    /// Takes a step towards the target. If it is `UNSEEN`, nobody asks for its interpolant.
+    /// Takes a step towards the target, an adaptive one of the time `aim` at most. If it is `UNSEEN`, nobody asks for
+    /// its interpolant.
     #[inline(always)]
     fn go<const UNSEEN: bool>(
         &mut self,
         target: Option<Sys::Scalar>,
+        aim: Option<f64>,
     ) -> Result<Step<Sys, M, N>, Failure<Sys::Scalar>> {
         self.engine.state.t = self.made_at();
         self.asked = None;
         let step = self.aim(target).and_then(|end| {
             self.engine.may_prepare()?;
             self.engine.towards(&self.system, end)?;
-            self.engine.step::<UNSEEN>(&self.system, None)
+            self.engine.step::<UNSEEN>(&self.system, aim)
         });
         match step {
             Ok(Some(step)) => Ok(step),
@@ -697,14 +699,14 @@ where
         }
     }
 
-    fn advance(&mut self) -> Option<Result<Step<Sys, M, N>, Failure<Sys::Scalar>>> {
+    fn advance_towards(&mut self, aim: Option<f64>) -> Option<Result<Step<Sys, M, N>, Failure<Sys::Scalar>>> {
         if self.failure.is_some() {
             return None;
         }
         self.step_end = None;
         let step = match self.stepper.has_reached(self.end) {
             Ok(true) => return None,
-            Ok(false) => self.stepper.go::<false>(Some(self.end)),
+            Ok(false) => self.stepper.go::<false>(Some(self.end), aim),
             Err(failure) => Err(failure),
         };
         if let Err(Failure::BudgetUsedUp { .. }) = step
