@@ -2,9 +2,9 @@
 //! passage through a surface of section. The iterators of samples and integrals along a run are here too.
 //!
 //! [`Run::events`] turns a run into an iterator of [`Occurrence`]s. Each root is located to rounding on the interpolant
-//! of its step. At a *terminal* event the run then steps anew from the start of that step, with its own method, to
-//! where g vanishes on the trajectory itself: the state there is as good as the ends of steps are, and after
-//! [`Events::restart`] the run continues from there, or from the state after an impact.
+//! of its step. At a *terminal* event the run ends where g vanishes on the trajectory itself, by steps of its own method:
+//! the state there is as good as the ends of steps are, and after [`Events::restart`] the run continues from there, or
+//! from the state after an impact.
 //!
 //! ```
 //! use lagrange_runtime::prelude::*;
@@ -57,17 +57,24 @@
 //! both places and both ends miss is not seen: a window `if 10.0 < t && t < 10.1 { −1 } else { 1 }` in a step of 1,
 //! say. Bound the steps by `max_step` where g has such windows.
 //!
+//! Where the ends of a step let expect that a terminal event follows within the next one, by the parabola through g, its
+//! rate and its second derivative and then by the quintic interpolant, an adaptive step aims a little beyond it: it has
+//! that size, if the size that it was to have is not smaller. Three steps of a run may aim at events that are not met;
+//! those after them have the sizes that they have without events.
+//!
 //! A terminal event that the ends show to be alone in its step is landed on at once. That is so if the cubic goes from
 //! one side to the other, and each of its Bernstein coefficients is beyond the one before by more than 16/15 D and a
-//! sixteenth of the change of g; the other events keep their signs. Steps from the start of this one, two as a rule,
-//! lead to the event by Newton's method, from the root on the quintic interpolant.
+//! sixteenth of the change of g; the other events keep their signs. From the end of a step that has aimed at it the
+//! quintic interpolant leads to the event, where its terms of fourth and fifth order, four times as large, are within
+//! the tolerance. Otherwise steps from the start of this one do, two as a rule, by Newton's method from the root on the
+//! quintic interpolant.
 //!
 //! In all other steps g is evaluated at the ends of equal parts, as many as the order of the method (at least 8), and
 //! close to both ends of the step. Between two neighbours of opposite sign there is a root. Where |g| is smaller than
 //! at both neighbours, its minimum is sought, which finds two crossings within one part, and a zero that is touched and
 //! not crossed. Two crossings in the part before or after another one show themselves by |g| that grows towards that
-//! one. What can be missed: an even number of crossings within one part of a step without either sign, i.e. a g that
-//! varies much faster than the motion, or that has a kink there. Shorter steps find it, for instance [`Run::until`] in
+//! one. What can be missed: an even number of crossings within one part of a step without either sign, and the
+//! second of two pairs of crossings in one part, i.e. a g that varies much faster than the motion, or that has a kink there. Shorter steps find it, for instance [`Run::until`] in
 //! pieces, or a smaller tolerance.
 //!
 //! After a restart g is sampled densely from the start on, at powers of 1/4 of the first step, for the next impact may

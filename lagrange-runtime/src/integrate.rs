@@ -263,7 +263,6 @@ where
     }
 
     #[inline]
-    #[cfg_attr(not(debug_assertions), inline(always))]
     fn advance_towards(&mut self, aim: Option<f64>) -> Option<Result<Step<Sys, M, N>, Failure<Sys::Scalar>>> {
         self.step(aim)
     }

@@ -220,7 +220,8 @@ impl<F: Fn() -> [f64; 2]> Seen<F> {
     }
 
     /// The root of the cubic and its slope there, if g goes from the given sign to the other one and nowhere back, with
-    /// |g| > `least` at both ends.
+    /// |g| > `least` at both ends. At the start it is farther, as [`keeps_sign`](Self::keeps_sign) has left it; the run
+    /// ends before the other end, of which nothing is to be said.
     ///
     /// That is so where `b₀ > b₁ > b₂ > b₃`, each by more than 16/15 D: `C' ≤ −3 min(bᵢ − bᵢ₊₁)`, and the derivative of
     /// `16 x² (1 − x)²` is no larger than 3.08. D is taken as in [`keeps_sign`](Self::keeps_sign).

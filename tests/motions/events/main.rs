@@ -1,5 +1,6 @@
 //! Events, samples and integrals along motions.
 
+mod aims;
 mod at_rounding;
 mod crossings;
 mod integrals;
