@@ -212,7 +212,7 @@ where
 
     /// Takes the next step, if there is one left. An adaptive one beyond the time `aim` is shortened to it.
     #[cfg_attr(not(debug_assertions), inline(always))]
-    fn step(&mut self, aim: Option<f64>) -> Option<Result<Step<Sys, M, N>, Failure<Sys::Scalar>>> {
+    pub(crate) fn step(&mut self, aim: Option<f64>) -> Option<Result<Step<Sys, M, N>, Failure<Sys::Scalar>>> {
         if let Status::Failed(_) = self.engine.status {
             return None;
         }

@@ -35,7 +35,7 @@ where
     #[inline(always)]
     fn exhaust(&mut self) -> Result<(), Failed<Sys::Scalar, N>> {
         if self.end().is_some() {
-            while let Some(Ok(_)) = self.advance() {}
+            while let Some(Ok(_)) = self.step(None) {}
         }
         self.outcome()
     }

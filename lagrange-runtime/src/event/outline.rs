@@ -150,7 +150,7 @@ const MISSED: f64 = 1.0 / 16.0;
 const AHEAD: f64 = 1.0 / 64.0;
 
 /// Places of the cubic through the ends of a step that Newton's method takes to its root, which it has alone.
-const TO_ROOT: usize = 6;
+const TO_ROOT: usize = 3;
 
 impl<F: Fn() -> [f64; 2]> Seen<F> {
     /// Bernstein coefficients of the cubic C through g and its rates at both ends, times `sign`.
