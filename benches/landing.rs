@@ -5,6 +5,7 @@
 //! - *fixed*: to the mean time of landing, without an event;
 //! - *ground*: to the ground, one by one;
 //! - *lanes*, *lanes to the ground*: the same in lanes;
+//! - *with the first step of a sample*: to the ground, by `Study::first_step_of`;
 //! - *plain*: thirty lines of RK4 as one would write them with rayon, with the longest step whose error is not larger.
 //!
 //! Errors are root mean squares of the place of landing against `Dop853` at 1e-13. Ratios are medians of alternating
@@ -146,6 +147,9 @@ enum Way {
     Ground,
     Lanes,
     LanesGround,
+    /// To the ground, all samples with the first step of one of them.
+    Begun,
+    LanesBegun,
     Plain(f64),
 }
 
@@ -162,14 +166,20 @@ where
     let study = Ensemble::new(Random::seed(1), samples, Sys::draw)
         .integrate(Dop853, PiController::tolerance(tolerance), end)
         .threads(1);
+    let study = match way {
+        Way::Begun | Way::LanesBegun => study.first_step_of(0).expect("a smooth motion"),
+        _ => study,
+    };
     let statistic = match way {
         Way::ToTime => study.reduce(|_, run| Ok(run.final_state()?.q[0]), Moments),
-        Way::Ground => study.reduce(|_, run| Ok(run.events(Sys::LANDED).final_state()?.q[0]), Moments),
+        Way::Ground | Way::Begun => {
+            study.reduce(|_, run| Ok(run.events(Sys::LANDED).final_state()?.q[0]), Moments)
+        }
         Way::Lanes => {
             let last = FinalState(|_: &Sys, end: &State<f64, N>| end.q[0]);
             study.in_lanes(Fused).level(level).observe(&last, Moments)
         }
-        Way::LanesGround => {
+        Way::LanesGround | Way::LanesBegun => {
             let landed = Occurrences::new(Sys::LANDED, |_: &Sys, _, end: &State<f64, N>| end.q[0]);
             study.in_lanes(Fused).level(level).observe(&landed, Moments)
         }
@@ -254,6 +264,15 @@ where
     }
     against("plain / ground", Way::Plain(h), Way::Ground, best);
     against("plain / lanes to the ground", Way::Plain(h), Way::LanesGround, best);
+    against("ground / ground with the first step of a sample", Way::Ground, Way::Begun, best);
+    against("lanes to the ground / with the first step of a sample", Way::LanesGround, Way::LanesBegun, best);
+    against("plain / ground with the first step of a sample", Way::Plain(h), Way::Begun, best);
+    against(
+        "plain / lanes to the ground with the first step of a sample",
+        Way::Plain(h),
+        Way::LanesBegun,
+        best,
+    );
 }
 
 /// One study and nothing else.
@@ -264,6 +283,8 @@ fn one(arguments: &[String]) -> Option<()> {
         "ground" => Way::Ground,
         "lanes" => Way::Lanes,
         "lanes-ground" => Way::LanesGround,
+        "begun" => Way::Begun,
+        "lanes-begun" => Way::LanesBegun,
         h => Way::Plain(h.parse().ok()?),
     };
     let (tolerance, samples) = (tolerance.parse().ok()?, samples.parse().ok()?);
@@ -282,7 +303,7 @@ fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
     if arguments.first().is_some_and(|a| a == "one") {
         one(&arguments).expect(
-            "one (space | plane) TOLERANCE (fixed | ground | lanes | lanes-ground | H) SAMPLES [LEVEL]",
+            "one (space | plane) TOLERANCE (fixed | ground | lanes | lanes-ground | begun | lanes-begun | H) SAMPLES [LEVEL]",
         );
         return;
     }

@@ -71,6 +71,13 @@ pub trait Controller<S: Real, const N: usize, E>: Clone {
     /// Source of the size of the first step.
     fn first_step(&self) -> FirstStep<S>;
 
+    /// The controller with a given first step, of size `h` in units of t and the sign of the run; `None` if its steps
+    /// are equal, or do not follow from the one before.
+    fn with_first_step(&self, h: f64) -> Option<Self> {
+        let _ = h;
+        None
+    }
+
     /// Returns whether what the user gave makes sense.
     fn check(&self) -> Result<(), Failure<S>>;
 
@@ -562,6 +569,10 @@ where
 
     fn first_step(&self) -> FirstStep<S> {
         self.first.map_or(FirstStep::Automatic, |h| FirstStep::Given(S::from_f64(h)))
+    }
+
+    fn with_first_step(&self, h: f64) -> Option<Self> {
+        Some(PiController::first_step(*self, h))
     }
 
     fn check(&self) -> Result<(), Failure<S>> {

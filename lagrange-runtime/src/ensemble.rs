@@ -393,6 +393,39 @@ where
         self
     }
 
+    /// Begins all samples with a step that the sample of this index has reached.
+    ///
+    /// An automatic first step is a cautious guess, and the steps after it grow by at most a factor each: a short run
+    /// spends a third of its steps on that. Here one run tells how long they become: the first of its steps after which
+    /// they grow by less than a half. Errors are controlled as before, and a sample for which the step is too long
+    /// shortens it. The answer depends on the index, and neither on threads nor on lanes. (A step that is known may be
+    /// given to the controller instead, [`PiController::first_step`](crate::PiController::first_step).)
+    ///
+    /// # Errors
+    /// If there is no such sample, its run fails before, or the controller has no first step: steps are equal, or do
+    /// not follow from those before.
+    pub fn first_step_of(mut self, index: u64) -> Result<Self, EnsembleError> {
+        let sample = self.replay(index)?;
+        let mut reached = 0.0;
+        for step in sample.run() {
+            let step = step.map_err(|failure| {
+                EnsembleError::Refused(format!(
+                    "sample {index} has no step for others to begin with: {failure}"
+                ))
+            })?;
+            let size = step.h.to_f64().abs();
+            if size < 1.5 * reached {
+                break;
+            }
+            reached = size;
+        }
+        let controller = self.recipe.controller.with_first_step(reached).filter(|_| reached > 0.0);
+        self.recipe.controller = controller.ok_or_else(|| {
+            EnsembleError::Refused("the controller has no first step that another sample could tell".into())
+        })?;
+        Ok(self)
+    }
+
     /// Saves the progress of the study in a file, and resumes from this file if it exists.
     ///
     /// It is written at the start, so that a path that cannot be written is known at once, then about `every` so

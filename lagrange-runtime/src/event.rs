@@ -2,9 +2,9 @@
 //! passage through a surface of section. The iterators of samples and integrals along a run are here too.
 //!
 //! [`Run::events`] turns a run into an iterator of [`Occurrence`]s. Each root is located to rounding on the interpolant
-//! of its step. At a *terminal* event the run ends where g vanishes on the trajectory itself, by steps of its own method:
-//! the state there is as good as the ends of steps are, and after [`Events::restart`] the run continues from there, or
-//! from the state after an impact.
+//! of its step. At a *terminal* event the run ends where g vanishes on the trajectory itself, by steps of its own
+//! method: the state there is as good as the ends of steps are, and after [`Events::restart`] the run continues from
+//! there, or from the state after an impact.
 //!
 //! ```
 //! use lagrange_runtime::prelude::*;
@@ -57,10 +57,10 @@
 //! both places and both ends miss is not seen: a window `if 10.0 < t && t < 10.1 { −1 } else { 1 }` in a step of 1,
 //! say. Bound the steps by `max_step` where g has such windows.
 //!
-//! Where the ends of a step let expect that a terminal event follows within the next one, by the parabola through g, its
-//! rate and its second derivative and then by the quintic interpolant, an adaptive step aims a little beyond it: it has
-//! that size, if the size that it was to have is not smaller. Three steps of a run may aim at events that are not met;
-//! those after them have the sizes that they have without events.
+//! Where the ends of a step let expect that a terminal event follows within the next one, by the parabola through g,
+//! its rate and its second derivative and then by the quintic interpolant, an adaptive step aims a little beyond it: it
+//! has that size, if the size that it was to have is not smaller. Three steps of a run may aim at events that are not
+//! met; those after them have the sizes that they have without events.
 //!
 //! A terminal event that the ends show to be alone in its step is landed on at once. That is so if the cubic goes from
 //! one side to the other, and each of its Bernstein coefficients is beyond the one before by more than 16/15 D and a
@@ -73,9 +73,9 @@
 //! close to both ends of the step. Between two neighbours of opposite sign there is a root. Where |g| is smaller than
 //! at both neighbours, its minimum is sought, which finds two crossings within one part, and a zero that is touched and
 //! not crossed. Two crossings in the part before or after another one show themselves by |g| that grows towards that
-//! one. What can be missed: an even number of crossings within one part of a step without either sign, and the
-//! second of two pairs of crossings in one part, i.e. a g that varies much faster than the motion, or that has a kink there. Shorter steps find it, for instance [`Run::until`] in
-//! pieces, or a smaller tolerance.
+//! one. What can be missed: an even number of crossings within one part of a step without either sign, and the second
+//! of two pairs of crossings in one part, i.e. a g that varies much faster than the motion, or that has a kink there.
+//! Shorter steps find it, for instance [`Run::until`] in pieces, or a smaller tolerance.
 //!
 //! After a restart g is sampled densely from the start on, at powers of 1/4 of the first step, for the next impact may
 //! follow soon: down to 1e-8 of the step, and from a start at which g vanishes down to 16 roundings of time. Bounces

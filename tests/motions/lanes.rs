@@ -913,3 +913,59 @@ fn late_gusts_and_longest_steps() {
     let study = || Ensemble::new(table(), 20, draw).integrate(series.0, series.1, 90.0).threads(1);
     lanes_are_alone!(study(), Plain, 20);
 }
+
+/// All samples begin with the step that one of them has reached: the same for any threads and lanes, and for fewer
+/// evaluations.
+#[test]
+fn samples_begin_with_the_step_of_one() {
+    let draw = |mut rng: <Random as Source>::Draw| {
+        let speed: f64 = Uniform::new(40.0, 60.0).unwrap().sample(&mut rng);
+        (Ball::new(1e-3), State::new(0.0, [0.0, 0.0], [speed, speed]))
+    };
+    let study = |controller| Ensemble::new(Random::seed(3), 60, draw).integrate(Dop853, controller, 5.0);
+    let pi = PiController::tolerance(1e-8);
+    let (plain, begun) = (study(pi), study(pi).first_step_of(7).expect("a sample"));
+    // It is the size of a step of that sample.
+    let sizes: Vec<f64> = plain.replay(7).unwrap().run().map(|step| step.unwrap().h).collect();
+    let first = begun.replay(0).unwrap().run().next().unwrap().unwrap().h;
+    assert!(sizes.contains(&first) && first > 3.0 * sizes[0], "{first} of {sizes:?}");
+    let evaluations =
+        |study: &lagrange_runtime::ensemble::Study<'_, Random, _, Ball, Dop853, PiController, 2>| {
+            let all = (0..60).map(|index| {
+                let replay = study.replay(index).unwrap();
+                let mut run = replay.run();
+                run.run_to_end().unwrap();
+                (run.statistics().evaluations, run.state().q[0])
+            });
+            all.collect::<Vec<_>>()
+        };
+    let (slow, quick) = (evaluations(&plain), evaluations(&begun));
+    let sum = |all: &[(u64, f64)]| all.iter().map(|one| one.0).sum::<u64>() as f64;
+    assert!(sum(&quick) < 0.85 * sum(&slow), "{} {}", sum(&quick), sum(&slow));
+    let error = quick.iter().zip(&slow).map(|(a, b)| (a.1 - b.1).abs()).fold(0.0, f64::max);
+    assert!(error < 1e-6, "{error}");
+    // Side by side and by any number of threads.
+    let last = FinalState(|_: &Ball, end: &State<f64, 2>| end.q[0]);
+    let of = |threads| {
+        let study = study(pi).first_step_of(7).expect("a sample").threads(threads);
+        study.in_lanes(Fused).observe(&last, Collect).expect("a sound study").statistic
+    };
+    assert_eq!(of(1), of(3));
+    let refused = |result: Result<_, EnsembleError>| {
+        result
+            .map(|_: lagrange_runtime::ensemble::Study<'_, Random, _, Ball, Dop853, PiController, 2>| ())
+            .expect_err("no first step")
+            .to_string()
+    };
+    assert!(
+        refused(study(pi).first_step_of(60)).contains("no sample 60"),
+        "{}",
+        refused(study(pi).first_step_of(60))
+    );
+    let lost = refused(study(pi).max_steps(1).first_step_of(0));
+    assert!(lost.contains("sample 0 has no step for others to begin with"), "{lost}");
+    let equal =
+        Ensemble::new(Random::seed(3), 60, draw).integrate(Rk4, FixedStep::new(0.1), 5.0).first_step_of(0);
+    let equal = equal.map(|_| ()).expect_err("equal steps").to_string();
+    assert!(equal.contains("no first step"), "{equal}");
+}

@@ -133,6 +133,10 @@ where
         Controller::<S, N, E>::first_step(&self.pi)
     }
 
+    fn with_first_step(&self, h: f64) -> Option<Self> {
+        Some(PidController { pi: PiController::first_step(self.pi, h), ..*self })
+    }
+
     fn check(&self) -> Result<(), Failure<S>> {
         Controller::<S, N, E>::check(&self.pi)
     }

@@ -139,8 +139,8 @@ impl Landing {
         if is_near && self.tries < CORRECTIONS { Progress::Again } else { Progress::Lost }
     }
 
-    /// The same of a step that was `reached` from the start of one of size h, by the motion beside its end. `tolerates` asks
-    /// the controller about an error, if there is a tolerance.
+    /// The same of a step that was `reached` from the start of one of size h, by the motion beside its end. `tolerates`
+    /// asks the controller about an error, if there is a tolerance.
     pub(crate) fn step<S: Real, const N: usize>(
         &mut self,
         reached: &Outline<S, N>,
@@ -211,7 +211,7 @@ impl<'a, S: Real, const N: usize> Beside<'a, S, N> {
         Beside { reached, coefficients }
     }
 
-    /// What the state at the time `dt` after the end is in doubt by: a few times its parts of fourth and fifth order.
+    /// The doubt about the state at the time `dt` after the end: a few times its parts of fourth and fifth order.
     pub fn doubt(&self, dt: S) -> Tangent<S, N> {
         let ([_, fourth, fifth], number, s) = (&self.coefficients, S::from_f64, dt / self.reached.h);
         let cube = s * s * s * number(DOUBTED);

@@ -63,9 +63,9 @@ pub trait Observer<Sys: System<N, Scalar = f64>, const N: usize> {
         Ok(None)
     }
 
-    /// Events of an accepted step, as far as its ends show them; the size of the next one is `next`. If there are none, [`within`](Self::within) is not
-    /// called, and no interpolant made. If it is one event, which ends the trajectory, steps are made towards it and
-    /// shown to [`approach`](Self::approach).
+    /// Events of an accepted step, as far as its ends show them; the size of the next one is `next`. If there are none,
+    /// [`within`](Self::within) is not called, and no interpolant made. If it is one event, which ends the trajectory,
+    /// steps are made towards it and shown to [`approach`](Self::approach).
     #[doc(hidden)]
     fn outlook(
         &self,
