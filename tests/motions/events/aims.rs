@@ -34,7 +34,7 @@ fn random(seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
-/// Where a run is ended at a level of a pendulum, grazed or crossed at speed, against the first occurrence of the same
+/// A run that ends at a level of a pendulum, grazed or crossed at speed, against the first occurrence of the same
 /// event that does not end the run, whose steps do not aim, at 1e-13.
 #[test]
 fn runs_end_where_events_are_first_met() {
