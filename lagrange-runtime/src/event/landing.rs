@@ -88,7 +88,7 @@ pub enum Progress<S, const N: usize> {
 
 impl Landing {
     /// The way to the root of an event near the place where the cubic through the ends of the step has one, with the
-    /// slope dg/dx: to that of its quintic, unless it is near the end, from which it is better [known](Self::from_end).
+    /// slope dg/dx: to that of its quintic, unless it is near the end, from which it is better [known](Self::at_end).
     pub(crate) fn near<S: Real, E: Bound<S, N, K>, const N: usize, const K: usize>(
         events: &E,
         outline: &Outline<S, N>,
@@ -101,7 +101,7 @@ impl Landing {
     }
 
     /// The same way from the end of the step itself, to an event near it.
-    pub(crate) fn from_end(self) -> Option<Self> {
+    pub(crate) fn at_end(self) -> Option<Self> {
         (1.0 - self.x <= NEARBY).then_some(Landing { x: 1.0, ..self })
     }
 

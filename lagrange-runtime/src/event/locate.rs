@@ -250,7 +250,7 @@ where
     C: Controller<Sys::Scalar, N, M::Error>,
 {
     let adaptive = !matches!(engine.controller.first_step(), FirstStep::Fixed(_));
-    if let Some(mut landing) = landing.from_end() {
+    if let Some(mut landing) = landing.at_end() {
         let tolerates =
             |error: &Tangent<_, N>| adaptive && engine.controller.norm(error, &step.from, &step.to) <= 1.0;
         if let Progress::Landed(state) = approach(&mut landing, outline, &tolerates) {

@@ -366,7 +366,7 @@ where
             match outlook {
                 Outlook::Clear => pack.paces.aim[i] = self.watch.aim(watched),
                 Outlook::Crossing(landing) if lands => {
-                    if let Some(mut landing) = landing.from_end() {
+                    if let Some(mut landing) = landing.at_end() {
                         let alone = outline.ends.map(|at| at.map(SingleLane::new));
                         let tolerates = |error: &Tangent<f64, N>| self.tolerates(error, &alone);
                         let progress = self.watch.approach(
