@@ -57,17 +57,18 @@
 //! both places and both ends miss is not seen: a window `if 10.0 < t && t < 10.1 { −1 } else { 1 }` in a step of 1,
 //! say. Bound the steps by `max_step` where g has such windows.
 //!
-//! Where the ends of a step let expect that a terminal event follows within the next one, by the parabola through g,
+//! Where the ends of a step let expect that a terminal event is crossed within the next one, by the parabola through g,
 //! its rate and its second derivative and then by the quintic interpolant, an adaptive step aims a little beyond it: it
-//! has that size, if the size that it was to have is not smaller. Three steps of a run may aim at events that are not
-//! met; those after them have the sizes that they have without events.
+//! has that size, unless the size that it was to have, the end of the run or an instant of a control law is less. After
+//! three steps that have aimed and met nothing, no step of a run aims. None does in systems with switches or
+//! constraints, nor for numbers with slopes.
 //!
 //! A terminal event that the ends show to be alone in its step is landed on at once. That is so if the cubic goes from
 //! one side to the other, and each of its Bernstein coefficients is beyond the one before by more than 16/15 D and a
 //! sixteenth of the change of g; the other events keep their signs. From the end of a step that has aimed at it the
-//! quintic interpolant leads to the event, where its terms of fourth and fifth order, four times as large, are within
-//! the tolerance. Otherwise steps from the start of this one do, two as a rule, by Newton's method from the root on the
-//! quintic interpolant.
+//! quintic interpolant leads to the event, if its acceleration there is that of the system: their difference, four times
+//! as large, may not change the state by more than the tolerance. Otherwise steps from the start of this one do, two as
+//! a rule, by Newton's method from the root on the quintic interpolant.
 //!
 //! In all other steps g is evaluated at the ends of equal parts, as many as the order of the method (at least 8), and
 //! close to both ends of the step. Between two neighbours of opposite sign there is a root. Where |g| is smaller than
@@ -116,7 +117,7 @@ use crate::method::{Method, Step};
 use crate::scalar::{Real, Scalar};
 use crate::state::State;
 use crate::system::System;
-use landing::{Landing, Outlook, Progress};
+use landing::{Judge, Landing, Outlook, Progress};
 use locate::{Stepped, approached, land, on_interpolant, outline};
 use outline::Outline;
 use search::Search;
@@ -432,12 +433,12 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
         let (system, engine) = run.parts();
         let (event, mut x) = (landing.event, landing.x);
         let g = |at: &State<Number<D, N>, N>| events.value(system, event, at);
-        let approach = |landing: &mut Landing, reached: &Outline<_, N>, tolerates: &dyn Fn(&_) -> bool| {
+        let approach = |landing: &mut Landing, reached: &Outline<_, N>, judge: &dyn Judge<_, N>| {
             let value = g(&reached.ends[1]);
             if (value - Number::<D, N>::from_f64(value.to_f64())).magnitude() > 0.0 {
                 return Progress::Lost;
             }
-            let progress = landing.step(reached, (step.h, outline.resolution()), g, tolerates);
+            let progress = landing.step(reached, (step.h, outline.resolution()), g, judge);
             x = landing.x;
             progress
         };

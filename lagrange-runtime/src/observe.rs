@@ -1,7 +1,7 @@
 //! Observers of single runs: the rules by which lanes observe trajectories, for one that runs alone.
 
 use crate::controller::Controller;
-use crate::event::landing::{Landing, Outlook};
+use crate::event::landing::{Judge, Landing, Outlook};
 use crate::event::locate::{approached, outline};
 use crate::event::within::Within;
 use crate::failed::Failed;
@@ -11,7 +11,7 @@ use crate::failure::Failure;
 use crate::integrate::{Drive, Run};
 use crate::lanes::{Motion, Observer, disordered};
 use crate::method::{Interpolant, Method, Step};
-use crate::state::{State, Tangent};
+use crate::state::State;
 use crate::system::System;
 use core::cell::RefCell;
 
@@ -104,10 +104,9 @@ where
             && observer.wanted(&seen).is_none()
         {
             let (system, engine) = run.parts();
-            let approach =
-                |landing: &mut Landing, reached: &_, tolerates: &dyn Fn(&Tangent<f64, N>) -> bool| {
-                    observer.approach(&mut seen, system, outline, landing, reached, tolerates)
-                };
+            let approach = |landing: &mut Landing, reached: &_, judge: &dyn Judge<f64, N>| {
+                observer.approach(&mut seen, system, outline, landing, reached, judge)
+            };
             last = approached(engine, system, memory, (&step, outline), landing, approach);
         }
         if let Some(memory) = memory.filter(|_| last.is_none() && outlook != Outlook::Clear) {

@@ -14,9 +14,8 @@ pub(crate) const MOVED: f64 = 1e-7;
 /// Parts of a step by which Newton's method may leave the root of the interpolant.
 const NEARBY: f64 = 1.0 / 16.0;
 
-/// The error of the motion beside the end of a step, in units of its parts of fourth and fifth order. (The interpolant
-/// misses `q⁽⁶⁾ h⁶/720 s³`, which is as much where s is a thirtieth of a step in which the motion turns once.)
-const DOUBTED: f64 = 4.0;
+/// Errors of the motion beside the end of a step are taken to be so many times as large as they are found to be.
+const SAFETY: f64 = 4.0;
 
 /// Steps that Newton's method may take.
 const CORRECTIONS: u32 = 4;
@@ -73,6 +72,28 @@ pub(crate) fn refined<S: Real, E: Bound<S, N, K>, const N: usize, const K: usize
         (x, value) = (next, of_next);
     }
     [x - value / slope, slope]
+}
+
+/// The controller and the system, as a landing asks them.
+pub trait Judge<S, const N: usize> {
+    /// Returns whether the controller tolerates an error of a step, if it has a tolerance.
+    fn tolerates(&self, error: &Tangent<S, N>) -> bool;
+    /// The accelerations of the system at a state.
+    fn accelerations(&self, at: &State<S, N>) -> SVector<S, N>;
+}
+
+impl<S, T, A, const N: usize> Judge<S, N> for (T, A)
+where
+    T: Fn(&Tangent<S, N>) -> bool,
+    A: Fn(&State<S, N>) -> SVector<S, N>,
+{
+    fn tolerates(&self, error: &Tangent<S, N>) -> bool {
+        self.0(error)
+    }
+
+    fn accelerations(&self, at: &State<S, N>) -> SVector<S, N> {
+        self.1(at)
+    }
 }
 
 /// Outcome of a step on the way to an event.
@@ -139,19 +160,27 @@ impl Landing {
         if is_near && self.tries < CORRECTIONS { Progress::Again } else { Progress::Lost }
     }
 
-    /// The same of a step that was `reached` from the start of one of size h, by the motion beside its end. `tolerates`
-    /// asks the controller about an error, if there is a tolerance.
+    /// The same of a step that was `reached` from the start of one of size h, by the motion beside its end. From the
+    /// end of the step [itself](Self::at_end) it leads as far as its accelerations are those of the system.
     pub(crate) fn step<S: Real, const N: usize>(
         &mut self,
         reached: &Outline<S, N>,
         (h, resolution): (S, f64),
         g: impl Fn(&State<S, N>) -> S,
-        tolerates: impl Fn(&Tangent<S, N>) -> bool,
+        judge: &dyn Judge<S, N>,
     ) -> Progress<S, N> {
-        let beside = Beside::new(reached);
+        let (beside, whole) = (Beside::new(reached), self.x == 1.0);
         let time = |parts: f64| h * S::from_f64(parts);
-        let suffices = |rest: f64| rest.abs() <= MOVED || tolerates(&beside.doubt(time(rest)));
-        self.next(&reached.ends[1], resolution, g, suffices, |parts| beside.at(time(parts)))
+        let suffices = |rest: f64| whole || rest.abs() <= MOVED || judge.tolerates(&beside.third(time(rest)));
+        let moved = |parts: f64| beside.at(time(parts));
+        match self.next(&reached.ends[1], resolution, g, suffices, moved) {
+            Progress::Landed(state) if whole => {
+                let accelerations = judge.accelerations(&state);
+                let error = beside.error(state.t - reached.ends[1].t, &accelerations);
+                if judge.tolerates(&error) { Progress::Landed(state) } else { Progress::Lost }
+            }
+            progress => progress,
+        }
     }
 
     /// Moves a state by what is left to where g vanishes, since it is a function of time, which is rounded.
@@ -211,14 +240,25 @@ impl<'a, S: Real, const N: usize> Beside<'a, S, N> {
         Beside { reached, coefficients }
     }
 
-    /// The doubt about the state at the time `dt` after the end: a few times its parts of fourth and fifth order.
-    pub fn doubt(&self, dt: S) -> Tangent<S, N> {
-        let ([_, fourth, fifth], number, s) = (&self.coefficients, S::from_f64, dt / self.reached.h);
-        let cube = s * s * s * number(DOUBTED);
+    /// The part of third order in the motion over the time `dt`. It is known to some per cent, so that the state is as
+    /// good as a step where this part is tolerated.
+    pub fn third(&self, dt: S) -> Tangent<S, N> {
+        let s = dt / self.reached.h;
+        let square = s * s;
         Tangent {
-            q: (fourth + fifth * s) * (cube * s),
-            qd: (fourth * number(4.0) + fifth * (number(5.0) * s)) * (cube / self.reached.h),
+            q: self.coefficients[0] * (square * s),
+            qd: self.coefficients[0] * (S::from_f64(3.0) * square / self.reached.h),
         }
+    }
+
+    /// The error of the state at the time `dt` after the end, where the accelerations are these: the interpolant misses
+    /// K s³, and its second derivative 6 K s. (For safety, four times as much.)
+    pub fn error(&self, dt: S, accelerations: &SVector<S, N>) -> Tangent<S, N> {
+        let ([third, fourth, fifth], number, s) = (&self.coefficients, S::from_f64, dt / self.reached.h);
+        let rest = third * number(6.0) + (fourth * number(12.0) + fifth * (number(20.0) * s)) * s;
+        let of_interpolant = self.reached.accelerations[1] + rest * (s / (self.reached.h * self.reached.h));
+        let missed = (accelerations - of_interpolant) * (number(SAFETY) * dt);
+        Tangent { q: missed * (dt / number(6.0)), qd: missed * number(0.5) }
     }
 
     /// The state at the time `dt` after the end.

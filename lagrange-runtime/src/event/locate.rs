@@ -1,7 +1,7 @@
 //! From the place of a root within a step to the state there: on the interpolant, or on the trajectory itself.
 
 use super::Direction;
-use super::landing::{Landing, MOVED, Progress, ROUNDINGS};
+use super::landing::{Judge, Landing, MOVED, Progress, ROUNDINGS};
 use super::outline::Outline;
 use super::root::first_zero;
 use super::within::{Within, apart, slope};
@@ -231,7 +231,7 @@ where
 }
 
 /// The state at the event that a step has alone: `approach` is shown the step itself if it ends nearby, and steps from
-/// its start, and told what the controller tolerates. None if they do not lead there.
+/// its start, and a judge of its errors. None if they do not lead there.
 pub(crate) fn approached<Sys, M, C, const N: usize>(
     engine: &mut Engine<Sys, M, C, N>,
     system: &Sys,
@@ -241,7 +241,7 @@ pub(crate) fn approached<Sys, M, C, const N: usize>(
     mut approach: impl FnMut(
         &mut Landing,
         &Outline<Sys::Scalar, N>,
-        &dyn Fn(&Tangent<Sys::Scalar, N>) -> bool,
+        &dyn Judge<Sys::Scalar, N>,
     ) -> Progress<Sys::Scalar, N>,
 ) -> Option<State<Sys::Scalar, N>>
 where
@@ -250,10 +250,13 @@ where
     C: Controller<Sys::Scalar, N, M::Error>,
 {
     let adaptive = !matches!(engine.controller.first_step(), FirstStep::Fixed(_));
-    if let Some(mut landing) = landing.at_end() {
+    let accelerations = |at: &State<_, N>| system.accel(&at.q, &at.qd, at.t);
+    if let Some(mut landing) = landing.at_end().filter(|_| Engine::<Sys, M, C, N>::AIMS) {
         let tolerates =
             |error: &Tangent<_, N>| adaptive && engine.controller.norm(error, &step.from, &step.to) <= 1.0;
-        if let Progress::Landed(state) = approach(&mut landing, outline, &tolerates) {
+        let progress = approach(&mut landing, outline, &(tolerates, accelerations));
+        engine.statistics.evaluations += 1;
+        if let Progress::Landed(state) = progress {
             return Some(state);
         }
     }
@@ -263,7 +266,7 @@ where
         let reached = self::outline(&engine.method, &one)?;
         let tolerates =
             |error: &Tangent<_, N>| adaptive && engine.controller.norm(error, &one.from, &one.to) <= 1.0;
-        match approach(&mut landing, &reached, &tolerates) {
+        match approach(&mut landing, &reached, &(tolerates, accelerations)) {
             Progress::Again => {}
             Progress::Landed(state) => return Some(state),
             Progress::Lost => return None,

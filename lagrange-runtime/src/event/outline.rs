@@ -149,6 +149,9 @@ const MISSED: f64 = 1.0 / 16.0;
 /// and is looked at beyond its start from there.
 const AHEAD: f64 = 1.0 / 64.0;
 
+/// The slope with which g is taken to graze zero, in changes of g over a step.
+const GRAZES: f64 = -1.0 / 16.0;
+
 /// Places of the cubic through the ends of a step that Newton's method takes to its root, which it has alone.
 const TO_ROOT: usize = 3;
 
@@ -204,7 +207,8 @@ impl<F: Fn() -> [f64; 2]> Seen<F> {
     }
 
     /// The place of the next zero of g, at most `horizon` steps after this one, and its slope there, by the parabola
-    /// through g, its rate and its second derivative at the end, where g approaches zero from the given sign.
+    /// through g, its rate and its second derivative at the end, where g approaches zero from the given sign and does
+    /// not only graze it.
     #[inline(always)]
     pub fn approaches(&self, sign: f64, horizon: f64) -> Option<[f64; 2]> {
         let [_, b1, b2, b3] = self.cubic(sign);
@@ -216,7 +220,7 @@ impl<F: Fn() -> [f64; 2]> Seen<F> {
         }
         let slope = -Functions::sqrt(rate * rate - 2.0 * b3 * bend);
         let u = -2.0 * b3 / (rate + slope);
-        (u <= horizon).then_some([1.0 + u, sign * slope])
+        (u <= horizon && slope < GRAZES * self.change()).then_some([1.0 + u, sign * slope])
     }
 
     /// The root of the cubic and its slope there, if g goes from the given sign to the other one and nowhere back, with

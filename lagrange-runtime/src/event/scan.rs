@@ -51,10 +51,10 @@ impl Grid {
         Grid { near_start, ..self }
     }
 
-    /// All places after the start, and the one beyond the end at which g may be asked for.
+    /// All places after the start, and those at which g may be asked for besides: right after it and beyond the end.
     #[cfg(feature = "std")]
     pub fn places(self) -> impl Iterator<Item = f64> {
-        (0..self.len()).map(move |i| self.place(i)).chain([1.0 + self.close()])
+        (0..self.len()).map(move |i| self.place(i)).chain([self.right_after_start(), 1.0 + self.close()])
     }
 
     fn places_near_start(&self) -> usize {
@@ -64,6 +64,11 @@ impl Grid {
     /// A distance from the ends that is within the first and the last part.
     fn close(self) -> f64 {
         CLOSE.min(0.25 / self.parts as f64)
+    }
+
+    /// A place by which the slope at the start is seen.
+    fn right_after_start(self) -> f64 {
+        CLOSE * self.close()
     }
 
     /// A power of 1/4 of which the next one lies within the first part.
@@ -482,16 +487,13 @@ impl Scan {
         } else {
             1.0 + self.grid.close()
         };
-        if before * there.1 > 0.0 && core::mem::take(&mut self.dip_after) {
-            let mut at = |x: f64| (x, before * g(x));
-            let three = [at(-self.grid.close()), at(here.0), at(x)];
-            let (bottom, low) = root::dip(&mut |x| before * g(x), three, 0.0);
-            if low < 0.0 && bottom > 0.0 {
-                self.ahead = Some(there.1);
-                (self.x, self.g, self.sign) = (bottom, before * low, -before);
-                let root = first_zero(g, here, (bottom, before * low), resolution);
-                return Some(Found::Root { x: root, direction: leaving(before) });
-            }
+        if before * there.1 > 0.0
+            && let Some((bottom, low)) = self.dip_at_start(here, there, g)
+        {
+            self.ahead = Some(there.1);
+            (self.x, self.g, self.sign) = (bottom, before * low, -before);
+            let root = first_zero(g, here, (bottom, before * low), resolution);
+            return Some(Found::Root { x: root, direction: leaving(before) });
         }
         let crossed = core::mem::take(&mut self.crossed);
         if before * there.1 > 0.0 {
@@ -513,6 +515,35 @@ impl Scan {
                 direction: if touches { Direction::Either } else { leaving(before) },
             })
         }
+    }
+
+    /// A place right after the start of a step at which g has the other sign: between two crossings that the step before
+    /// has seen beyond its end, or at a level that g grazes, just short of which that step ended.
+    fn dip_at_start(
+        &mut self,
+        here: (f64, f64),
+        there: (f64, f64),
+        g: &mut impl FnMut(f64) -> f64,
+    ) -> Option<(f64, f64)> {
+        let before = self.sign;
+        let mut high = |x: f64| (x, before * g(x));
+        let [from, to] = [here, there].map(|(x, g)| (x, before * g));
+        let three = if core::mem::take(&mut self.dip_after) {
+            [high(-self.grid.close()), high(here.0), to]
+        } else if self.next == 0 && self.grid.near_start == 0 {
+            let near = high(self.grid.right_after_start());
+            if !(near.1 < from.1 && near.1 <= to.1) {
+                return None;
+            }
+            [from, near, to]
+        } else {
+            return None;
+        };
+        let (bottom, low) = match three[1] {
+            at if at.1 < 0.0 => at,
+            _ => root::dip(&mut |x| before * g(x), three, 0.0),
+        };
+        (low < 0.0 && bottom > 0.0).then_some((bottom, low))
     }
 
     /// A place between the first two of three at which g has the other sign, beside a crossing in the part before or

@@ -178,6 +178,9 @@ impl<const K: usize> Search<K> {
                 self.aim = self.aim.min(beyond(events, outline, event, ahead));
             }
         }
+        if unclear || crossing.is_some() {
+            self.aim = f64::INFINITY;
+        }
         match crossing {
             _ if unclear => Outlook::Unclear,
             Some((event, at)) => Outlook::Crossing(Landing::near(events, outline, event, at)),

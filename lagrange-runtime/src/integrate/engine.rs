@@ -119,6 +119,8 @@ where
     /// True if the equations switch, and whether steps may be equal or adaptive. (Constants of their own: rustc does
     /// not compile what follows one of them where it is false.)
     const SWITCHES: bool = Sys::SWITCHES > 0;
+    /// Steps aim at events.
+    pub const AIMS: bool = rules::aims::<Sys, N>() && Sys::Scalar::SLOPES == 0;
     const IMPULSES: bool = Sys::IMPULSES > 0;
     const ATTITUDES: bool = !Sys::ATTITUDES.is_empty();
     /// Constraints may become dependent. (In lanes steps are not made across such states, so not in those that are
@@ -729,7 +731,8 @@ where
                 (Self::SWITCHES && self.approach.is_near()).then_some(self.approach.h),
                 self.end.map(|end| end - t),
             );
-            let aimed = aim.filter(|_| !Self::SWITCHES).and_then(|aim| rules::towards_event(h, aim));
+            let rest = self.end.map(|end| end - t);
+            let aimed = aim.filter(|_| Self::AIMS).and_then(|aim| rules::towards_event(h, aim, rest));
             if let Some(size) = aimed {
                 (h, lands) = (size, false);
             }

@@ -112,11 +112,19 @@ pub fn towards_end<S: Real>(h: S, to_switch: Option<f64>, rest: Option<S>) -> (S
 }
 
 /// The step that is tried in place of `h` if it would lead to an event that ends the run: the time `aim`, a little
-/// beyond it. A step is longer by up to 1 % for that, as for the [end](towards_end).
+/// beyond it. A step is longer by up to 1 % for that, as for the [end](towards_end), of which it has to stay short.
 #[inline(always)]
-pub fn towards_event<S: Real>(h: S, aim: f64) -> Option<S> {
+pub fn towards_event<S: Real>(h: S, aim: f64, rest: Option<S>) -> Option<S> {
     let size = h.to_f64();
-    (1.01 * size.abs() >= aim).then(|| S::from_f64(aim.copysign(size)))
+    let is_before = rest.is_none_or(|rest| aim < rest.to_f64().abs());
+    (1.01 * size.abs() >= aim && is_before).then(|| S::from_f64(aim.copysign(size)))
+}
+
+/// Returns whether steps aim at events. They do not where an event is met by whole steps alone: at switches, and on
+/// constraints, to which states are projected at the ends of steps. (Nor for numbers with slopes, whose errors the
+/// controller does not see.)
+pub const fn aims<Sys: System<N>, const N: usize>() -> bool {
+    Sys::SWITCHES == 0 && Sys::CONSTRAINTS == 0
 }
 
 /// A tenth of the step does not change the time.

@@ -2,12 +2,12 @@
 
 use super::{Motion, Observer};
 use crate::event::definition::Bound;
-use crate::event::landing::{Landing, Outlook, Progress};
+use crate::event::landing::{Judge, Landing, Outlook, Progress};
 use crate::event::outline::Outline;
 use crate::event::search::Search;
 use crate::event::{Direction, EventKind};
 use crate::failure::{Coordinate, Failure};
-use crate::state::{State, Tangent};
+use crate::state::State;
 use crate::system::Lagrangian;
 use core::fmt;
 use core::ops::RangeInclusive;
@@ -205,9 +205,9 @@ where
         step: &Outline<f64, N>,
         landing: &mut Landing,
         reached: &Outline<f64, N>,
-        tolerates: &dyn Fn(&Tangent<f64, N>) -> bool,
+        judge: &dyn Judge<f64, N>,
     ) -> Progress<f64, N> {
-        self.inner.approach(&mut memory.inner, system, step, landing, reached, tolerates)
+        self.inner.approach(&mut memory.inner, system, step, landing, reached, judge)
     }
 
     fn finish(

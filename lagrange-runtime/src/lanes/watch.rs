@@ -1,13 +1,13 @@
 //! Observers of trajectories, alone or in lanes.
 
-use crate::event::landing::{Landing, Outlook, Progress};
+use crate::event::landing::{Judge, Landing, Outlook, Progress};
 use crate::event::locate::landing;
 use crate::event::outline::Outline;
 use crate::event::search::Search;
 use crate::event::within::Within;
 use crate::event::{EventKind, EventSet, Occurrence, On};
 use crate::failure::Failure;
-use crate::state::{State, Tangent};
+use crate::state::State;
 use crate::system::System;
 use core::fmt;
 
@@ -86,7 +86,7 @@ pub trait Observer<Sys: System<N, Scalar = f64>, const N: usize> {
         f64::INFINITY
     }
 
-    /// A step towards an event, `reached` from the start of `step`, with the errors that the controller tolerates. If
+    /// A step towards an event, `reached` from the start of `step`, with a judge of its errors. If
     /// its end is not the event and no more steps are to be made, `within` is called.
     #[doc(hidden)]
     fn approach(
@@ -96,9 +96,9 @@ pub trait Observer<Sys: System<N, Scalar = f64>, const N: usize> {
         step: &Outline<f64, N>,
         landing: &mut Landing,
         reached: &Outline<f64, N>,
-        tolerates: &dyn Fn(&Tangent<f64, N>) -> bool,
+        judge: &dyn Judge<f64, N>,
     ) -> Progress<f64, N> {
-        let _ = (memory, system, step, landing, reached, tolerates);
+        let _ = (memory, system, step, landing, reached, judge);
         Progress::Lost
     }
 
@@ -354,11 +354,11 @@ where
         step: &Outline<f64, N>,
         landing: &mut Landing,
         reached: &Outline<f64, N>,
-        tolerates: &dyn Fn(&Tangent<f64, N>) -> bool,
+        judge: &dyn Judge<f64, N>,
     ) -> Progress<f64, N> {
         let event = landing.event;
         let g = |at: &State<f64, N>| self.events.value(system, event, at);
-        let progress = landing.step(reached, (step.h, step.resolution()), g, tolerates);
+        let progress = landing.step(reached, (step.h, step.resolution()), g, judge);
         if let Progress::Landed(state) = progress {
             let direction = search.direction(event);
             let name = self.events.kind(event).name;
@@ -455,12 +455,12 @@ where
         step: &Outline<f64, N>,
         landing: &mut Landing,
         reached: &Outline<f64, N>,
-        tolerates: &dyn Fn(&Tangent<f64, N>) -> bool,
+        judge: &dyn Judge<f64, N>,
     ) -> Progress<f64, N> {
         if A::WITHIN {
-            self.0.approach(&mut memory.0, system, step, landing, reached, tolerates)
+            self.0.approach(&mut memory.0, system, step, landing, reached, judge)
         } else {
-            self.1.approach(&mut memory.1, system, step, landing, reached, tolerates)
+            self.1.approach(&mut memory.1, system, step, landing, reached, judge)
         }
     }
 

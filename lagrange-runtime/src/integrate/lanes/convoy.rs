@@ -4,7 +4,7 @@ use super::course::{Apart, Own};
 use super::job::{Alone, Bounds, ErrorOf, Jobs, LANES, MemoryOf, Packed};
 use super::pack::{Entry, Occupant, Pace, Pack};
 use crate::controller::{Controller, FirstStep};
-use crate::event::landing::{Landing, Progress};
+use crate::event::landing::{Judge, Landing, Progress};
 use crate::event::outline::Outline;
 use crate::failed::{Failed, Statistics};
 use crate::failure::Failure;
@@ -18,6 +18,7 @@ use crate::method::{Method, Step};
 use crate::scalar::Real;
 use crate::state::{State, Tangent};
 use crate::system::System;
+use nalgebra::SVector;
 
 type EntryOf<Sys, M, C, P, A, T, const N: usize> =
     Entry<Sys, T, C, SingleLane<P, A>, <MemoryOf<M, Sys, P, A, N> as Lanewise<LANES>>::Element, N>;
@@ -270,8 +271,8 @@ where
                 let approach = &pack.paces.approach[i];
                 let to_switch = (switching && approach.is_near()).then_some(approach.h);
                 (tried[i], lands[i]) = rules::towards_end(h, to_switch, Some(end - t[i]));
-                if const { W::WITHIN && <Packed<Sys, P, A, N> as System<N>>::SWITCHES == 0 } {
-                    let aimed = rules::towards_event(tried[i], pack.paces.aim[i]);
+                if const { W::WITHIN && rules::aims::<Packed<Sys, P, A, N>, N>() } {
+                    let aimed = rules::towards_event(tried[i], pack.paces.aim[i], Some(end - t[i]));
                     pack.paces.aimed[i] = aimed.is_some();
                     (tried[i], lands[i]) = aimed.map_or((tried[i], lands[i]), |size| (size, false));
                 }
@@ -434,8 +435,8 @@ where
                         way.evaluations += step.as_ref().map_or(0, |step| u64::from(step.evaluations));
                         let Approached { outline, landing, .. } = way;
                         let ends = reached.ends.map(|at| at.map(SingleLane::new));
-                        let tolerates = |error: &Tangent<f64, N>| self.tolerates(error, &ends);
-                        self.watch.approach(watched, &job.system, outline, landing, reached, &tolerates)
+                        let judge = self.judge(&job.system, &ends);
+                        self.watch.approach(watched, &job.system, outline, landing, reached, &judge)
                     }
                     _ => Progress::Lost,
                 };
@@ -463,10 +464,21 @@ where
         }
     }
 
-    /// Returns whether the controller tolerates an error of a step.
-    pub fn tolerates(&self, error: &Tangent<f64, N>, ends: &[State<SingleLane<P, A>, N>; 2]) -> bool {
-        let error = Tangent { q: error.q.map(SingleLane::new), qd: error.qd.map(SingleLane::new) };
-        !self.fixed() && self.controller.alone().norm(&error, &ends[0], &ends[1]) <= 1.0
+    /// The judge of the way to an event in a step of a lane.
+    pub fn judge<'b>(
+        &'b self,
+        system: &'b Sys,
+        ends: &'b [State<SingleLane<P, A>, N>; 2],
+    ) -> impl Judge<f64, N> + 'b {
+        let tolerates = |error: &Tangent<f64, N>| {
+            let error = Tangent { q: error.q.map(SingleLane::new), qd: error.qd.map(SingleLane::new) };
+            !self.fixed() && self.controller.alone().norm(&error, &ends[0], &ends[1]) <= 1.0
+        };
+        let accelerations = |at: &State<f64, N>| {
+            let system = system.over(SingleLane::<P, A>::new);
+            A::call(Accelerate { system: &system, at: at.map(SingleLane::new) }).map(SingleLane::value)
+        };
+        (tolerates, accelerations)
     }
 
     /// Looks for the reasons why lanes cannot make their steps: the same step of each lane alone tells.
@@ -544,6 +556,21 @@ where
             }
         }
         made
+    }
+}
+
+/// Accelerations of a lane alone.
+struct Accelerate<'a, Sys: System<N>, const N: usize> {
+    system: &'a Sys,
+    at: State<Sys::Scalar, N>,
+}
+
+impl<Sys: System<N>, const N: usize> Work for Accelerate<'_, Sys, N> {
+    type Output = SVector<Sys::Scalar, N>;
+
+    #[inline(always)]
+    fn run(self) -> Self::Output {
+        self.system.accel(&self.at.q, &self.at.qd, self.at.t)
     }
 }
 

@@ -15,7 +15,7 @@ use crate::lanes::{
 };
 use crate::method::Method;
 use crate::scalar::Scalar;
-use crate::state::{State, Tangent};
+use crate::state::State;
 use crate::system::System;
 
 /// The interpolant of a lane alone.
@@ -366,17 +366,15 @@ where
             match outlook {
                 Outlook::Clear => pack.paces.aim[i] = self.watch.aim(watched),
                 Outlook::Crossing(landing) if lands => {
-                    if let Some(mut landing) = landing.at_end() {
+                    let at_end = landing.at_end().filter(|_| rules::aims::<Packed<Sys, P, A, N>, N>());
+                    if let Some(mut landing) = at_end {
                         let alone = outline.ends.map(|at| at.map(SingleLane::new));
-                        let tolerates = |error: &Tangent<f64, N>| self.tolerates(error, &alone);
-                        let progress = self.watch.approach(
-                            watched,
-                            &job.system,
-                            &outline,
-                            &mut landing,
-                            &outline,
-                            &tolerates,
-                        );
+                        let judge = self.judge(&job.system, &alone);
+                        let (watch, system) = (self.watch, &job.system);
+                        let progress =
+                            watch.approach(watched, system, &outline, &mut landing, &outline, &judge);
+                        // (Those of the pack less those of the lane.)
+                        pack.paces.evaluations[i] = pack.paces.evaluations[i].wrapping_sub(1);
                         if let Progress::Landed(state) = progress {
                             ends.0.push((i, Ok(state)));
                             continue;
