@@ -274,4 +274,19 @@ pub mod types_with_short_names {
     }
 }
 
+// An event of an output.
+pub mod output_in_an_event {
+    use lagrange_runtime::prelude::*;
+
+    lagrangian! {
+        pub system Ball {
+            coord y;
+            T = 0.5 * dot(y).powi(2);
+            V = 9.81 * y;
+            observe height = y - 0.1;
+            event ground: height, falling, terminal;
+        }
+    }
+}
+
 fn main() {}

@@ -255,6 +255,12 @@ impl Elaborator<'_> {
             );
             return self.errors.push(name, message);
         }
+        if self.found.observed.iter().any(|output| *name == output.name) {
+            let message = format!(
+                "`{text}` is an output, which no expression sees\nhelp: name its value first, `let {text} = …; observe {text};`"
+            );
+            return self.errors.push(name, message);
+        }
         if text == "dot" || is_method(&text) {
             let message = format!("`{text}` is a function\nhelp: call it, `{text}(x)`");
             return self.errors.push(name, message);
