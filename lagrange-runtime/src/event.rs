@@ -66,9 +66,9 @@
 //! A terminal event that the ends show to be alone in its step is landed on at once. That is so if the cubic goes from
 //! one side to the other, and each of its Bernstein coefficients is beyond the one before by more than 16/15 D and a
 //! sixteenth of the change of g; the other events keep their signs. From the end of a step that has aimed at it the
-//! quintic interpolant leads to the event, if its acceleration there is that of the system: their difference, four times
-//! as large, may not change the state by more than the tolerance. Otherwise steps from the start of this one do, two as
-//! a rule, by Newton's method from the root on the quintic interpolant.
+//! quintic interpolant leads to the event, if its acceleration there is that of the system: their difference, four
+//! times as large, may not change the state by more than the tolerance. Otherwise steps from the start of this one do,
+//! two as a rule, by Newton's method from the root on the quintic interpolant.
 //!
 //! In all other steps g is evaluated at the ends of equal parts, as many as the order of the method (at least 8), and
 //! close to both ends of the step. Between two neighbours of opposite sign there is a root. Where |g| is smaller than

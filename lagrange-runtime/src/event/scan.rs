@@ -517,8 +517,8 @@ impl Scan {
         }
     }
 
-    /// A place right after the start of a step at which g has the other sign: between two crossings that the step before
-    /// has seen beyond its end, or at a level that g grazes, just short of which that step ended.
+    /// A place right after the start of a step at which g has the other sign: between two crossings that the step
+    /// before has seen beyond its end, or at a level that g grazes, just short of which that step ended.
     fn dip_at_start(
         &mut self,
         here: (f64, f64),

@@ -726,12 +726,9 @@ where
                 };
                 self.h = rules::limited(self.h, self.controller.max_step(), self.bound, coasts);
             }
-            let (mut h, mut lands) = rules::towards_end(
-                self.h,
-                (Self::SWITCHES && self.approach.is_near()).then_some(self.approach.h),
-                self.end.map(|end| end - t),
-            );
+            let to_switch = (Self::SWITCHES && self.approach.is_near()).then_some(self.approach.h);
             let rest = self.end.map(|end| end - t);
+            let (mut h, mut lands) = rules::towards_end(self.h, to_switch, rest);
             let aimed = aim.filter(|_| Self::AIMS).and_then(|aim| rules::towards_event(h, aim, rest));
             if let Some(size) = aimed {
                 (h, lands) = (size, false);
@@ -785,10 +782,8 @@ where
             }
             match verdict {
                 Verdict::Accept { factor } if !again => {
-                    self.h = {
-                        let cut = lands || stopped || near || aimed.is_some();
-                        rules::next_step(self.h, h, factor, true, cut)
-                    };
+                    let cut = lands || stopped || near || aimed.is_some();
+                    self.h = rules::next_step(self.h, h, factor, true, cut);
                     self.longest = self.longest.max(step.h.to_f64().abs());
                     if Self::DEPENDENT && (self.across != [false; 2] || Sys::Scalar::SLOPES > 0) {
                         self.gets_across(system, step)?;
