@@ -150,6 +150,8 @@ enum Way {
     /// To the ground, all samples with the first step of one of them.
     Begun,
     LanesBegun,
+    /// Our RK4 with such steps, in lanes to the ground.
+    Equal(f64),
     Plain(f64),
 }
 
@@ -158,6 +160,7 @@ fn mean<Sys, const N: usize>(way: Way, samples: u64, tolerance: f64, level: Leve
 where
     Sys: Shot<N> + lagrange_runtime::lanes::Rescale<N> + Send + Sync,
     Dop853: lagrange_runtime::lanes::InLanes<Sys, PiController, Fused, N>,
+    Rk4: lagrange_runtime::lanes::InLanes<Sys, FixedStep, Fused, N>,
 {
     let end = match way {
         Way::ToTime | Way::Lanes => Sys::FLIGHT,
@@ -182,6 +185,12 @@ where
         Way::LanesGround | Way::LanesBegun => {
             let landed = Occurrences::new(Sys::LANDED, |_: &Sys, _, end: &State<f64, N>| end.q[0]);
             study.in_lanes(Fused).level(level).observe(&landed, Moments)
+        }
+        Way::Equal(h) => {
+            let study =
+                Ensemble::new(Random::seed(1), samples, Sys::draw).integrate(Rk4, FixedStep::new(h), end);
+            let landed = Occurrences::new(Sys::LANDED, |_: &Sys, _, end: &State<f64, N>| end.q[0]);
+            study.threads(1).in_lanes(Fused).level(level).observe(&landed, Moments)
         }
         Way::Plain(h) => {
             let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a thread");
@@ -231,6 +240,7 @@ fn compare<Sys, const N: usize>(name: &str, tolerance: f64)
 where
     Sys: Shot<N> + lagrange_runtime::lanes::Rescale<N> + Send + Sync,
     Dop853: lagrange_runtime::lanes::InLanes<Sys, PiController, Fused, N>,
+    Rk4: lagrange_runtime::lanes::InLanes<Sys, FixedStep, Fused, N>,
 {
     const SAMPLES: u64 = 500;
     let (error, evaluations) = errors::<Sys, N>(|system, start| landing(system, start, tolerance));
@@ -264,6 +274,7 @@ where
     }
     against("plain / ground", Way::Plain(h), Way::Ground, best);
     against("plain / lanes to the ground", Way::Plain(h), Way::LanesGround, best);
+    against("plain / our RK4 with such steps, in lanes to the ground", Way::Plain(h), Way::Equal(h), best);
     against("ground / ground with the first step of a sample", Way::Ground, Way::Begun, best);
     against("lanes to the ground / with the first step of a sample", Way::LanesGround, Way::LanesBegun, best);
     against("plain / ground with the first step of a sample", Way::Plain(h), Way::Begun, best);
@@ -285,7 +296,10 @@ fn one(arguments: &[String]) -> Option<()> {
         "lanes-ground" => Way::LanesGround,
         "begun" => Way::Begun,
         "lanes-begun" => Way::LanesBegun,
-        h => Way::Plain(h.parse().ok()?),
+        h => match h.strip_prefix("rk4=") {
+            Some(h) => Way::Equal(h.parse().ok()?),
+            None => Way::Plain(h.parse().ok()?),
+        },
     };
     let (tolerance, samples) = (tolerance.parse().ok()?, samples.parse().ok()?);
     let level =
@@ -303,11 +317,11 @@ fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).filter(|a| a != "--bench").collect();
     if arguments.first().is_some_and(|a| a == "one") {
         one(&arguments).expect(
-            "one (space | plane) TOLERANCE (fixed | ground | lanes | lanes-ground | begun | lanes-begun | H) SAMPLES [LEVEL]",
+            "one (space | plane) TOLERANCE (fixed | ground | lanes | lanes-ground | begun | lanes-begun | rk4=H | H) SAMPLES [LEVEL]",
         );
         return;
     }
-    for tolerance in [1e-6, 1e-9] {
+    for tolerance in [1e-3, 1e-6, 1e-8, 1e-9] {
         compare::<Space, 3>("in space", tolerance);
         compare::<Plane, 2>("in a plane", tolerance);
     }
