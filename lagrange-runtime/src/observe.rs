@@ -90,15 +90,17 @@ where
     if let Some(failure) = disordered(start.t, end - start.t, observer.wanted(&seen)) {
         return Err(failure);
     }
+    let mut aim = f64::INFINITY;
     loop {
         let memory = if W::WITHIN { Some(run.memory()?.clone()) } else { None };
-        let Some(step) = run.advance_towards(Some(observer.aim(&seen))) else { break };
+        let Some(step) = run.advance_towards(Some(aim)) else { break };
         let step = step?;
         let (mut dense, mut last) = (None, None);
         let outline = outline::<Sys, M, N>(&run.engine().method, &step).filter(|_| W::WITHIN);
         let outlook = outline.map_or(Outlook::Unclear, |outline| {
             observer.outlook(&mut seen, system, &outline, run.engine().h)
         });
+        aim = if outlook == Outlook::Clear { observer.aim(&seen) } else { f64::INFINITY };
         if let (Outlook::Crossing(landing), Some(outline), Some(memory)) = (outlook, &outline, &memory)
             && Sys::SWITCHES == 0
             && observer.wanted(&seen).is_none()

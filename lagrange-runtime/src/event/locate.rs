@@ -251,7 +251,7 @@ where
 {
     let adaptive = !matches!(engine.controller.first_step(), FirstStep::Fixed(_));
     let accelerations = |at: &State<_, N>| system.accel(&at.q, &at.qd, at.t);
-    if let Some(mut landing) = landing.at_end().filter(|_| Engine::<Sys, M, C, N>::AIMS) {
+    if let Some(mut landing) = landing.at_end().filter(|_| adaptive && Engine::<Sys, M, C, N>::AIMS) {
         let tolerates =
             |error: &Tangent<_, N>| adaptive && engine.controller.norm(error, &step.from, &step.to) <= 1.0;
         let progress = approach(&mut landing, outline, &(tolerates, accelerations));

@@ -366,7 +366,8 @@ where
             match outlook {
                 Outlook::Clear => pack.paces.aim[i] = self.watch.aim(watched),
                 Outlook::Crossing(landing) if lands => {
-                    let at_end = landing.at_end().filter(|_| rules::aims::<Packed<Sys, P, A, N>, N>());
+                    let aims = const { rules::aims::<Packed<Sys, P, A, N>, N>() } && !self.fixed();
+                    let at_end = landing.at_end().filter(|_| aims);
                     if let Some(mut landing) = at_end {
                         let alone = outline.ends.map(|at| at.map(SingleLane::new));
                         let judge = self.judge(&job.system, &alone);
