@@ -65,30 +65,32 @@ fn runs_end_where_events_are_first_met() {
         };
         let exact = run(1e-13).events(event).next().map(Result::unwrap);
         for (tolerance, worst) in [1e-5, 1e-8, 1e-11].into_iter().zip(&mut worst) {
-            let found = run(tolerance).events(event.terminal()).next().map(Result::unwrap);
-            // What the integration has missed by, there or where it ends.
-            let what = format!(
-                "{trial} at {tolerance:e}: {found:?} not {exact:?}, level {level} {pendulum:?} {start:?}"
-            );
             // (A level that is grazed within the tolerance may be missed by it.)
             if exact.is_some_and(|exact| exact.state.qd[0].powi(2) < 1e3 * tolerance) {
                 continue;
             }
-            let (Some(found), Some(exact)) = (found, exact) else {
+            let [soft, found] = [event, event.terminal()]
+                .map(|event| run(tolerance).events(event).next().map(|met| met.unwrap().state));
+            let what = format!(
+                "{trial} at {tolerance:e}: {found:?} not {exact:?}, level {level} {pendulum:?} {start:?}"
+            );
+            let (Some(soft), Some(found), Some(exact)) = (soft, found, exact) else {
                 assert_eq!(found.is_some(), exact.is_some(), "{what}");
                 continue;
             };
-            // (Near a turn the time is as the root of the error.)
-            let speed = exact.state.qd[0].abs();
-            let error = (found.state.t - exact.state.t).abs() * speed.min(1.0) + g(&found.state).abs();
-            let energy = |s: &State<f64, 1>| 0.5 * s.qd[0].powi(2);
-            let change = (energy(&found.state) - energy(&exact.state)).abs();
-            *worst = worst.max(error.max(change) / tolerance);
-            assert!(g(&found.state).abs() < 1e-13, "{what}");
+            let error = |at: &State<f64, 1>| {
+                let late = (at.t - exact.state.t).abs() * exact.state.qd[0].abs().min(1.0);
+                let square = exact.state.qd[0].powi(2);
+                late + (at.qd[0].powi(2) - square).abs() / (1.0 + square)
+            };
+            // The integration misses both by about as much. (Squares of velocities, since velocities themselves are as
+            // the root of the error near a turn.)
+            *worst = worst.max(error(&found) / (error(&soft) + tolerance));
+            assert!(g(&found).abs() < 1e-13, "{what}");
         }
     }
     println!("{worst:?}");
-    assert!(worst.iter().all(|error| *error < 300.0), "{worst:?}");
+    assert!(worst.iter().all(|ratio| *ratio < 10.0), "{worst:?}");
 }
 
 /// A shot to the ground takes no more evaluations than one to the time at which it lands.
@@ -253,7 +255,7 @@ fn landings_are_as_good_as_steps() {
     macro_rules! landings {
         ($method:expr, $tolerance:expr) => {{
             let (mut landed, mut steps) = (0.0f64, 0.0f64);
-            for _ in 0..if cfg!(feature = "long") { 1000 } else { 150 } {
+            for _ in 0..if cfg!(feature = "long") { 500 } else { 100 } {
                 let double = Double::new(2.0 * random() - 1.0);
                 let start = State::new(0.0, [6.0 * random() - 3.0, 6.0 * random() - 3.0], [0.0, 0.0]);
                 let controller = PiController::tolerance($tolerance);
@@ -278,7 +280,7 @@ fn landings_are_as_good_as_steps() {
                     (sum / 4.0).sqrt() / $tolerance
                 };
                 landed = landed.max(error(way.len() - 1));
-                steps = (way.len() / 2..way.len() - 1).map(error).fold(steps, f64::max);
+                steps = (1..way.len() - 1).map(error).fold(steps, f64::max);
             }
             println!("{:e}: {landed:.2} and {steps:.2} tolerances", $tolerance);
             assert!(landed <= steps.max(1.0), "{:e}: {landed} {steps}", $tolerance);
