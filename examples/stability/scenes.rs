@@ -646,7 +646,8 @@ fn asleep(factor: f64, aside: f64, u: f64) -> Scene<Body, 3> {
         end,
         h: 0.01,
         tolerance: 1e-13,
-        bound: 1e-10,
+        // Errors of the spin are as the number of steps, so that those of the turn are as its square.
+        bound: 1e-10 * (1.0 + u) * (1.0 + u),
         watch: nothing(),
         judge: Box::new(move |at, _| {
             2.0 * (system.attitude_R(at).inverse() * turned).imag().norm().min(1.0).asin()
