@@ -57,11 +57,11 @@
 //! both places and both ends miss is not seen: a window `if 10.0 < t && t < 10.1 { −1 } else { 1 }` in a step of 1,
 //! say. Bound the steps by `max_step` where g has such windows.
 //!
-//! Where the ends of a step let expect that a terminal event is crossed within the next one, by the parabola through g,
-//! its rate and its second derivative and then by the quintic interpolant, an adaptive step aims a little beyond it: it
-//! has that size, unless the size that it was to have, the end of the run or an instant of a control law is less. After
-//! three steps that have aimed and met nothing, no step of a run aims. None does in systems with switches or
-//! constraints, nor for numbers with slopes.
+//! An adaptive step aims a little beyond a terminal event that is expected within it: it has that size, unless the size
+//! that it was to have, the end of the run or an instant of a control law is less. The ends of the step before let
+//! expect the event, by the parabola through g, its rate and its second derivative and then by the quintic interpolant,
+//! if g crosses zero there and does not only graze it. After three steps that have aimed and met nothing, no step of a
+//! run aims. None does in systems with switches or constraints, nor for numbers with slopes.
 //!
 //! A terminal event that the ends show to be alone in its step is landed on at once. That is so if the cubic goes from
 //! one side to the other, and each of its Bernstein coefficients is beyond the one before by more than 16/15 D and a
@@ -359,11 +359,12 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
     /// Makes steps to the next one in which there may be events, and lands on the only one there, or begins to look at
     /// the step.
     fn next_step(&mut self) -> Result<Next<Number<D, N>, N>, Failure<Number<D, N>>> {
+        let mut aimed = f64::INFINITY;
         loop {
             let memory = self.run.memory()?.clone();
             self.search.begin(&On(&self.events, self.run.system()), self.run.state())?;
             // (It stays where it is: steps are large.)
-            let advanced = self.run.advance_towards(Some(self.search.aim()));
+            let advanced = self.run.advance_towards(Some(aimed));
             let step = match &advanced {
                 Some(Ok(step)) => step,
                 Some(Err(failure)) => return Err(*failure),
@@ -375,8 +376,8 @@ impl<D: Drive<N>, E: EventSet<D::System, N, K>, const K: usize, const N: usize> 
             if let Some(outline) = outline(&self.run.engine().method, step) {
                 let next = self.run.engine().h;
                 match self.search.outlook(&On(&self.events, self.run.system()), &outline, next) {
-                    Outlook::Clear => {
-                        self.step = None;
+                    Outlook::Clear { aim } => {
+                        (self.step, aimed) = (None, aim);
                         continue;
                     }
                     Outlook::Crossing(landing) if D::System::SWITCHES == 0 => {

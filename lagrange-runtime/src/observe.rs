@@ -100,7 +100,7 @@ where
         let outlook = outline.map_or(Outlook::Unclear, |outline| {
             observer.outlook(&mut seen, system, &outline, run.engine().h)
         });
-        aim = if outlook == Outlook::Clear { observer.aim(&seen) } else { f64::INFINITY };
+        aim = if let Outlook::Clear { aim } = outlook { aim } else { f64::INFINITY };
         if let (Outlook::Crossing(landing), Some(outline), Some(memory)) = (outlook, &outline, &memory)
             && Sys::SWITCHES == 0
             && observer.wanted(&seen).is_none()
@@ -111,7 +111,7 @@ where
             };
             last = approached(engine, system, memory, (&step, outline), landing, approach);
         }
-        if let Some(memory) = memory.filter(|_| last.is_none() && outlook != Outlook::Clear) {
+        if let Some(memory) = memory.filter(|_| last.is_none() && !outlook.is_clear()) {
             let parts = run.engine().method.parts(&memory, step.h);
             let between = Run::interpolant(run, &step);
             let inside = Inside {

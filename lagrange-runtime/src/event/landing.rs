@@ -31,12 +31,21 @@ pub(crate) const ROUNDINGS: f64 = 16.0;
 /// Events in a step, as far as its ends show them.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Outlook {
-    /// There is none.
-    Clear,
+    /// There is none. The next step aims at one that ends the run: the time a little beyond it, ∞ if none is expected.
+    Clear { aim: f64 },
     /// There is one alone, which ends the run.
     Crossing(Landing),
     /// There may be some.
     Unclear,
+}
+
+impl Outlook {
+    /// Outlook of a step that nobody looks at.
+    pub const NONE: Outlook = Outlook::Clear { aim: f64::INFINITY };
+
+    pub fn is_clear(&self) -> bool {
+        matches!(self, Outlook::Clear { .. })
+    }
 }
 
 /// The way to an event that ends the run: steps from the start of the one that it lies in, of the part `x` of its

@@ -300,8 +300,7 @@ impl Scan {
     /// and its slope there.
     #[inline(always)]
     pub fn crosses<F: Fn() -> [f64; 2]>(&self, kind: &EventKind, seen: &Seen<F>) -> Option<[f64; 2]> {
-        let wanted = kind.direction == Direction::Either || kind.direction == leaving(self.sign);
-        if !(kind.terminal && wanted && self.sign != 0.0 && self.pending.is_none() && !self.dip_after) {
+        if !(self.ends_run(kind) && self.sign != 0.0 && self.pending.is_none() && !self.dip_after) {
             return None;
         }
         seen.crosses(self.sign, 4.0 * NEAR * self.scale)
@@ -316,8 +315,13 @@ impl Scan {
         seen: &Seen<F>,
         horizon: f64,
     ) -> Option<[f64; 2]> {
-        let wanted = kind.direction == Direction::Either || kind.direction == leaving(self.sign);
-        if kind.terminal && wanted { seen.approaches(self.sign, horizon) } else { None }
+        if self.ends_run(kind) { seen.approaches(self.sign, horizon) } else { None }
+    }
+
+    /// Returns whether a crossing from here ends the run.
+    #[inline(always)]
+    fn ends_run(&self, kind: &EventKind) -> bool {
+        kind.terminal && (kind.direction == Direction::Either || kind.direction == self.leaves())
     }
 
     /// The direction in which g leaves its side of zero.

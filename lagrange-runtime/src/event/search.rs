@@ -26,6 +26,9 @@ const AIMS: u8 = 3;
 /// Parts of a step by which one that is aimed at an event leads beyond it.
 const BEYOND: f64 = 1.0 / 256.0;
 
+/// Parts of a step after which the next event is far enough to be aimed at.
+const FAR: f64 = 1.0 / 1024.0;
+
 /// The time after a step to a little beyond the zero of g that is expected `ahead` of it, by the quintic Hermite
 /// interpolant; ∞ if that does not lead there. Its error grows as `(x (x − 1))³` with the place.
 fn beyond<S: Real, E: Bound<S, N, K>, const N: usize, const K: usize>(
@@ -37,11 +40,8 @@ fn beyond<S: Real, E: Bound<S, N, K>, const N: usize, const K: usize>(
     let [x, _] = refined(events, outline, event, ahead);
     let (u, reach) = (x - 1.0, x * (x - 1.0));
     let beyond = u * (1.0 + BEYOND) + BEYOND * reach * reach * reach;
-    if u > AHEAD && u < 2.0 * ahead[0] { beyond * outline.h.to_f64().abs() } else { f64::INFINITY }
+    if u > FAR && u < 2.0 * ahead[0] { beyond * outline.h.to_f64().abs() } else { f64::INFINITY }
 }
-
-/// Parts of a step after which the next event is far enough ahead to be aimed at.
-const AHEAD: f64 = 1.0 / 1024.0;
 
 /// The change of g within the rounding of a state: to the neighbours along the motion, and of its time and of each
 /// coordinate and velocity alone. Of the two neighbours on each axis, the sums of the smaller and of the larger
@@ -102,10 +102,8 @@ pub(crate) struct Search<const K: usize> {
     scans: [Scan; K],
     /// No step has been looked at since the start or the last restart.
     first: bool,
-    /// The time of the next step that leads a little beyond an event that ends the run, as far as the last one tells;
-    /// ∞ if it tells of none.
+    /// The aim of the step after the last one, and the steps that have aimed and met nothing.
     aim: f64,
-    /// Steps that were aimed so and did not meet it.
     missed: u8,
 }
 
@@ -156,7 +154,7 @@ impl<const K: usize> Search<K> {
     /// The events in a step, as far as its ends show them, under the
     /// [assumptions](crate::event#what-is-found-and-what-can-be-missed) made there. If there is none, the search is at
     /// its end then. If there is one alone, it is [`landed`](Self::landed) at, or [`enter`](Self::enter) follows, as it
-    /// does otherwise. The step after it is to have the size `next`, unless it is [aimed](Self::aim) at an event.
+    /// does otherwise. The step after it is to have the size `next`, unless it aims at an event.
     #[inline(always)]
     pub fn outlook<S: Real, E: Bound<S, N, K>, const N: usize>(
         &mut self,
@@ -164,9 +162,8 @@ impl<const K: usize> Search<K> {
         outline: &Outline<S, N>,
         next: S,
     ) -> Outlook {
-        let (mut crossing, mut unclear) = (None, false);
+        let (mut crossing, mut unclear, mut aim) = (None, false, f64::INFINITY);
         self.missed += u8::from(outline.h.to_f64().abs() >= self.aim);
-        self.aim = f64::INFINITY;
         let horizon = if self.missed < AIMS { (next / outline.h).to_f64() } else { 0.0 };
         for (event, scan) in self.scans.iter_mut().enumerate() {
             let seen = outline.seen(events, event, scan.g);
@@ -175,26 +172,18 @@ impl<const K: usize> Search<K> {
                 crossing = scan.crosses(&events.kind(event), &seen).map(|x| (event, x));
                 unclear |= crossing.is_none();
             } else if let Some(ahead) = scan.approaches(&events.kind(event), &seen, horizon) {
-                self.aim = self.aim.min(beyond(events, outline, event, ahead));
+                aim = aim.min(beyond(events, outline, event, ahead));
             }
         }
-        if unclear || crossing.is_some() {
-            self.aim = f64::INFINITY;
-        }
+        self.aim = if unclear || crossing.is_some() { f64::INFINITY } else { aim };
         match crossing {
             _ if unclear => Outlook::Unclear,
             Some((event, at)) => Outlook::Crossing(Landing::near(events, outline, event, at)),
             None => {
                 self.first = false;
-                Outlook::Clear
+                Outlook::Clear { aim }
             }
         }
-    }
-
-    /// The time of the step after one without events that leads a little beyond an event that ends the run, where it
-    /// is expected.
-    pub fn aim(&self) -> f64 {
-        self.aim
     }
 
     /// The direction of an event that a step has alone.

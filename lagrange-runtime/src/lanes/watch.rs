@@ -78,16 +78,8 @@ pub trait Observer<Sys: System<N, Scalar = f64>, const N: usize> {
         Outlook::Unclear
     }
 
-    /// The time of the next step to a little beyond the event that ends the trajectory, where it is expected; ∞
-    /// elsewhere.
-    #[doc(hidden)]
-    fn aim(&self, memory: &Self::Accumulator) -> f64 {
-        let _ = memory;
-        f64::INFINITY
-    }
-
-    /// A step towards an event, `reached` from the start of `step`, with a judge of its errors. If
-    /// its end is not the event and no more steps are to be made, `within` is called.
+    /// A step towards an event, `reached` from the start of `step`, with a judge of its errors. If its end is not the
+    /// event and no more steps are to be made, `within` is called.
     #[doc(hidden)]
     fn approach(
         &self,
@@ -342,11 +334,6 @@ where
         }
     }
 
-    #[inline(always)]
-    fn aim(&self, happened: &Self::Accumulator) -> f64 {
-        happened.search.aim()
-    }
-
     fn approach(
         &self,
         Happened { search, occurrences, .. }: &mut Self::Accumulator,
@@ -441,11 +428,6 @@ where
         } else {
             self.1.outlook(&mut memory.1, system, step, next)
         }
-    }
-
-    #[inline(always)]
-    fn aim(&self, memory: &Self::Accumulator) -> f64 {
-        if A::WITHIN { self.0.aim(&memory.0) } else { self.1.aim(&memory.1) }
     }
 
     fn approach(

@@ -47,7 +47,7 @@ fn runs_end_where_events_are_first_met() {
     for trial in 0..if cfg!(feature = "long") { 3000 } else { 300 } {
         let pendulum = Pendulum::new(9.81 * (0.2 + random()), if trial % 3 == 0 { random() } else { 0.0 });
         let start = State::new(0.0, [3.0 * (2.0 * random() - 1.0)], [8.0 * (2.0 * random() - 1.0)]);
-        // Of every fourth, a level just within the amplitude.
+        // Every fourth has a level just within its amplitude.
         let run = integrate(&pendulum, Dop853, PiController::tolerance(1e-13), start).until(4.0);
         let turn = run.events(Event::either(|s: &State<f64, 1>| s.qd[0])).next();
         let level = match turn {
@@ -153,7 +153,7 @@ fn no_step_aims_beyond_an_end() {
             let mut stepper = Stepper::new(cart, Dop853, controller, start(ON_ITS_WAY));
             assert_eq!(stepper.until(1.0).events(Cart::HIT).next(), None, "{wall} {tolerance:e}");
             assert_eq!(stepper.state().t, 1.0, "{wall} {tolerance:e}");
-            // What is approached there and never met takes the run no further, and nothing is met twice.
+            // An event that is approached there and never met takes the run no further, and nothing is met twice.
             let never = Event::falling(move |s: &State<f64, 2>| (s.q[0] - wall).abs() + 1e-6).terminal();
             let passed = Event::rising(|s: &State<f64, 2>| s.q[0] - 1.00005);
             let run = integrate(&cart, Dop853, controller, start(ON_ITS_WAY)).until(1.0);

@@ -229,13 +229,13 @@ where
         }
     }
 
-    /// The steps that are tried, and whether they land on the end; `None` if some lanes cannot try one, whose runs
-    /// are over.
+    /// The steps that are tried, whether they land on the end, and whether they aim at an event; `None` if some lanes
+    /// cannot try one, whose runs are over.
     #[inline(always)]
     pub fn aim(
         &mut self,
         pack: &mut PackOf<Sys, M, C, P, A, W::Accumulator, N>,
-    ) -> Option<([f64; LANES], [bool; LANES])> {
+    ) -> Option<([f64; LANES], [bool; LANES], [bool; LANES])> {
         let (end, fixed, switching) = (self.end, self.fixed(), self.switching());
         let budget = rules::budget(self.max_steps, fixed);
         let t = *pack.state.t.as_array();
@@ -254,7 +254,7 @@ where
         {
             self.limit(pack);
         }
-        let (mut tried, mut lands) = (pack.paces.h, [false; LANES]);
+        let (mut tried, mut lands, mut aims) = (pack.paces.h, [false; LANES], [false; LANES]);
         if fixed && pack.interrupted {
             let ([origin, total], count) = ([pack.paces.origin, pack.paces.total], pack.paces.count);
             for i in 0..LANES {
@@ -273,7 +273,7 @@ where
                 (tried[i], lands[i]) = rules::towards_end(h, to_switch, Some(end - t[i]));
                 if const { W::WITHIN && rules::aims::<Packed<Sys, P, A, N>, N>() } {
                     let aimed = rules::towards_event(tried[i], pack.paces.aim[i], Some(end - t[i]));
-                    pack.paces.aimed[i] = aimed.is_some();
+                    aims[i] = aimed.is_some();
                     (tried[i], lands[i]) = aimed.map_or((tried[i], lands[i]), |size| (size, false));
                 }
                 stuck |= pack.live[i] & !lands[i] & rules::underflows(t[i], h);
@@ -288,7 +288,7 @@ where
             return None;
         }
         pack.attempts += 1;
-        Some((tried, lands))
+        Some((tried, lands, aims))
     }
 
     /// Shortens steps of lanes beyond their bounds.

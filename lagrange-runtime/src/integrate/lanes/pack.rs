@@ -55,9 +55,8 @@ paces! {
     total: f64 = f64::INFINITY;
     longest: f64 = 0.0;
     bound: f64 = f64::INFINITY;
-    /// The time of the next step that leads to an event, and whether it was the size of the last one.
+    /// The time of the next step to a little beyond an event that ends the run.
     aim: f64 = f64::INFINITY;
-    aimed: bool = false;
     approach: Approach = Approach::NONE;
     cause: Option<Cause> = None;
     /// The last step ended at a switch.

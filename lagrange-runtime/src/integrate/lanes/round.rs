@@ -44,8 +44,9 @@ impl<const N: usize> Ends<N> {
 struct Fates {
     /// Sizes that were tried; of steps that ended at a switch of theirs, the sizes that they have.
     tried: [f64; LANES],
-    /// Steps that land on the end of the run, end earlier, and have an end at all.
+    /// Steps that land on the end of the run, aim at an event, end earlier, and have an end at all.
     lands: [bool; LANES],
+    aims: [bool; LANES],
     early: [bool; LANES],
     finite: [bool; LANES],
     /// Steps that the controller accepts, and the next steps over these.
@@ -99,7 +100,7 @@ where
         if const { !<Alone<Sys, P, A, N> as System<N>>::ATTITUDES.is_empty() } {
             self.shorten(pack);
         }
-        let Some((tried, lands)) = self.aim(pack) else { return };
+        let Some((tried, lands, aims)) = self.aim(pack) else { return };
         let before = pack.paces.h;
         // For lanes that make this step again, to look for events in it.
         let again_from = (W::WITHIN && !pack.searches).then(|| (pack.paces, pack.controllers.clone()));
@@ -110,7 +111,7 @@ where
         pack.evaluations += u64::from(step.evaluations);
         self.restored(pack, step);
 
-        let (mut fates, own, failed) = self.judged(pack, step, tried, lands);
+        let (mut fates, own, failed) = self.judged(pack, step, tried, (lands, aims));
         let mut ends = Ends(vec![]);
         if self.switching() {
             self.switched(pack, step, &own, looked, &mut fates, &mut ends);
@@ -153,7 +154,7 @@ where
         pack: &mut PackOf<Sys, M, C, P, A, W::Accumulator, N>,
         step: &mut StepOf<Sys, M, P, A, N>,
         mut tried: [f64; LANES],
-        mut lands: [bool; LANES],
+        (mut lands, aims): ([bool; LANES], [bool; LANES]),
     ) -> (Fates, Vec<Own<Alones<M, Sys, P, A, N>>>, Vec<(usize, Failure)>) {
         let mut sum = Lanes::<LANES, P, A>::zero();
         for i in 0..N {
@@ -180,8 +181,21 @@ where
         let Verdicts { accepted: good, factor } = C::decide(&mut pack.controllers, &measures, &finite, order);
         let none = [false; LANES];
         let (near, again, accepted, arrived, any) = (none, none, none, none, false);
-        let fates =
-            Fates { tried, lands, early, finite, good, factor, near, again, accepted, arrived, missing, any };
+        let fates = Fates {
+            tried,
+            lands,
+            aims,
+            early,
+            finite,
+            good,
+            factor,
+            near,
+            again,
+            accepted,
+            arrived,
+            missing,
+            any,
+        };
         (fates, own, failed)
     }
 
@@ -253,8 +267,7 @@ where
         for i in 0..LANES {
             let good = pack.live[i] & fates.finite[i] & fates.good[i];
             let at = if fates.lands[i] { end } else { to[i] };
-            let aimed = W::WITHIN & paces.aimed[i];
-            let short = fates.lands[i] | fates.early[i] | fates.near[i] | aimed;
+            let short = fates.lands[i] | fates.aims[i] | fates.early[i] | fates.near[i];
             let next = rules::next_step(paces.h[i], fates.tried[i], fates.factor[i], good, short);
             paces.h[i] = if pack.live[i] { next } else { 0.0 };
             to[i] = at;
@@ -364,37 +377,34 @@ where
             let lands = const { <Packed<Sys, P, A, N> as System<N>>::SWITCHES == 0 }
                 && self.watch.wanted(watched).is_none();
             match outlook {
-                Outlook::Clear => pack.paces.aim[i] = self.watch.aim(watched),
+                Outlook::Clear { aim } => {
+                    pack.paces.aim[i] = aim;
+                    continue;
+                }
                 Outlook::Crossing(landing) if lands => {
                     let aims = const { rules::aims::<Packed<Sys, P, A, N>, N>() } && !self.fixed();
-                    let at_end = landing.at_end().filter(|_| aims);
-                    if let Some(mut landing) = at_end {
+                    let mut evaluations = 0;
+                    if let Some(mut landing) = landing.at_end().filter(|_| aims) {
                         let alone = outline.ends.map(|at| at.map(SingleLane::new));
                         let judge = self.judge(&job.system, &alone);
                         let (watch, system) = (self.watch, &job.system);
                         let progress =
                             watch.approach(watched, system, &outline, &mut landing, &outline, &judge);
-                        // (Those of the pack less those of the lane.)
-                        pack.paces.evaluations[i] = pack.paces.evaluations[i].wrapping_sub(1);
+                        evaluations = 1;
                         if let Progress::Landed(state) = progress {
+                            // (Those of the pack less those of the lane.)
+                            pack.paces.evaluations[i] = pack.paces.evaluations[i].wrapping_sub(evaluations);
                             ends.0.push((i, Ok(state)));
                             continue;
                         }
                     }
+                    let cost = pack.statistics(i);
+                    outlooks.landings.push((i, Approached { outline, landing, cost, evaluations }));
                 }
                 _ => {}
             }
-            let aside = outlook != Outlook::Clear;
-            outlooks.aside[i] = aside;
-            if let Outlook::Crossing(landing) = outlook
-                && lands
-            {
-                let (cost, evaluations) = (pack.statistics(i), 0);
-                outlooks.landings.push((i, Approached { outline, landing, cost, evaluations }));
-            }
-            fates.accepted[i] &= !aside;
-            fates.arrived[i] &= !aside;
-            fates.any |= aside;
+            outlooks.aside[i] = true;
+            (fates.accepted[i], fates.arrived[i], fates.any) = (false, false, true);
         }
         outlooks.looks = [false; LANES];
     }
