@@ -470,6 +470,9 @@ impl Elaborator<'_> {
                         names.insert(d.name.to_string());
                     }
                 }
+                Statement::Observe(d) if d.value.is_some() => {
+                    self.scope.outputs.insert(d.name.to_string());
+                }
                 Statement::Unread(words) => {
                     self.scope.unread.extend(words.iter().map(|word| (word.to_string(), word.clone())));
                     self.scope.incomplete = true;

@@ -402,8 +402,8 @@ where
     /// given to the controller instead, [`PiController::first_step`](crate::PiController::first_step).)
     ///
     /// # Errors
-    /// If there is no such sample, its run fails before, or the controller has no first step: steps are equal, or do
-    /// not follow from those before.
+    /// If there is no such sample, its run fails before or makes no step, or the controller has no first step: steps
+    /// are equal, or do not follow from those before.
     pub fn first_step_of(mut self, index: u64) -> Result<Self, EnsembleError> {
         let sample = self.replay(index)?;
         let mut reached = 0.0;
@@ -419,8 +419,11 @@ where
             }
             reached = size;
         }
-        let controller = self.recipe.controller.with_first_step(reached).filter(|_| reached > 0.0);
-        self.recipe.controller = controller.ok_or_else(|| {
+        if reached == 0.0 {
+            let message = format!("sample {index} makes no step: it begins at its end");
+            return Err(EnsembleError::Refused(message));
+        }
+        self.recipe.controller = self.recipe.controller.with_first_step(reached).ok_or_else(|| {
             EnsembleError::Refused("the controller has no first step that another sample could tell".into())
         })?;
         Ok(self)

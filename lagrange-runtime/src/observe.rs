@@ -111,7 +111,7 @@ where
             };
             last = approached(engine, system, memory, (&step, outline), landing, approach);
         }
-        if let Some(memory) = memory.filter(|_| last.is_none() && !outlook.is_clear()) {
+        if let Some(memory) = memory.filter(|_| last.is_none() && !matches!(outlook, Outlook::Clear { .. })) {
             let parts = run.engine().method.parts(&memory, step.h);
             let between = Run::interpolant(run, &step);
             let inside = Inside {

@@ -964,6 +964,9 @@ fn samples_begin_with_the_step_of_one() {
     );
     let lost = refused(study(pi).max_steps(1).first_step_of(0));
     assert!(lost.contains("sample 0 has no step for others to begin with"), "{lost}");
+    let none = Ensemble::new(Random::seed(3), 60, draw).integrate(Dop853, pi, 0.0).first_step_of(7);
+    let none = refused(none);
+    assert!(none.contains("sample 7 makes no step: it begins at its end"), "{none}");
     let equal =
         Ensemble::new(Random::seed(3), 60, draw).integrate(Rk4, FixedStep::new(0.1), 5.0).first_step_of(0);
     let equal = equal.map(|_| ()).expect_err("equal steps").to_string();

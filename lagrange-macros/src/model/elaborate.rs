@@ -97,6 +97,8 @@ pub(super) struct Scope {
     pub later: BTreeSet<String>,
     /// Names of inputs, which are no constants.
     pub inputs: BTreeSet<String>,
+    /// Names of outputs, which no expression sees; not those that are observed by their names alone.
+    pub outputs: BTreeSet<String>,
     /// Words of statements that could not be read: what they mean is not known, which has been reported.
     pub unread: BTreeMap<String, Ident>,
     /// Is there such a statement?

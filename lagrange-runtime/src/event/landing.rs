@@ -39,15 +39,6 @@ pub enum Outlook {
     Unclear,
 }
 
-impl Outlook {
-    /// Outlook of a step that nobody looks at.
-    pub const NONE: Outlook = Outlook::Clear { aim: f64::INFINITY };
-
-    pub fn is_clear(&self) -> bool {
-        matches!(self, Outlook::Clear { .. })
-    }
-}
-
 /// The way to an event that ends the run: steps from the start of the one that it lies in, of the part `x` of its
 /// size, each of which comes nearer.
 #[derive(Clone, Copy, Debug, PartialEq)]

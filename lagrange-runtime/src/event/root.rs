@@ -51,8 +51,8 @@ pub(crate) fn first_zero(
 
 /// Searches `f`, which is positive at `a < m < b` and not larger at `m` than at the two others, for a place where it is
 /// negative, or else for its minimum: the place and the value. Gives up, with the best so far, once a convex function
-/// through the points could not come down to `floor` any more, but not before two trials, which show whether it is
-/// convex: it is not where it falls again to a zero beyond the three.
+/// through the points could not come down half of the way to `floor`, but not before two trials: it is not convex where
+/// it falls again to a zero beyond the three, or beside a kink.
 pub(super) fn dip(
     f: &mut dyn FnMut(f64) -> f64,
     [mut a, mut m, mut b]: [(f64, f64); 3],
@@ -65,7 +65,7 @@ pub(super) fn dip(
     for k in 0..80 {
         let (left, right) = ((a.1 - m.1) / (m.0 - a.0), (b.1 - m.1) / (b.0 - m.0));
         let lowest = m.1 - (left * (b.0 - m.0)).max(right * (m.0 - a.0));
-        if lowest.is_nan() || (k >= TRIALS && lowest > floor) || b.0 - a.0 < width {
+        if lowest.is_nan() || (k >= TRIALS && lowest - floor > 0.5 * (m.1 - floor)) || b.0 - a.0 < width {
             break;
         }
         // The vertex of the parabola through the three, and the golden section in turns, so that neither end stays.

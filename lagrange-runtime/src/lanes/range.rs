@@ -187,8 +187,12 @@ where
         next: f64,
     ) -> Outlook {
         // Both are asked, whatever the other one says: a search has to know of each step.
-        let inner = if W::WITHIN { self.inner.outlook(inner, system, step, next) } else { Outlook::NONE };
-        let range = search.begin(self, &step.ends[0]).is_ok() && search.outlook(self, step, next).is_clear();
+        let inner = match W::WITHIN {
+            true => self.inner.outlook(inner, system, step, next),
+            false => Outlook::Clear { aim: f64::INFINITY },
+        };
+        let range = search.begin(self, &step.ends[0]).is_ok()
+            && matches!(search.outlook(self, step, next), Outlook::Clear { .. });
         let is_inside = range && step.ends.iter().all(|end| self.outside(end).is_none());
         if is_inside { inner } else { Outlook::Unclear }
     }

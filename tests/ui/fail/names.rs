@@ -285,6 +285,8 @@ pub mod output_in_an_event {
             V = 9.81 * y;
             observe height = y - 0.1;
             event ground: height, falling, terminal;
+            event roof: depth - 3, rising;
+            observe depth = -y;
         }
     }
 }

@@ -255,7 +255,7 @@ impl Elaborator<'_> {
             );
             return self.errors.push(name, message);
         }
-        if self.found.observed.iter().any(|output| *name == output.name) {
+        if self.scope.outputs.contains(&text) {
             let message = format!(
                 "`{text}` is an output, which no expression sees\nhelp: name its value first, `let {text} = …; observe {text};`"
             );
