@@ -523,3 +523,28 @@ fn subnormal_forces() {
         }
     }
 }
+
+lagrangian! {
+    /// `exp(x)` moves equally, but for a weak force.
+    pub system Stretched {
+        param w;
+        coord x;
+        T = 0.5 * (exp(x) * dot(x)).powi(2);
+        V = w * x;
+    }
+}
+
+/// The energy is not restored by a way on which such a force would do the work.
+#[test]
+fn a_force_that_hardly_acts_is_no_way_to_restore_the_energy() {
+    for w in [0.0, 1e-9, 1e-12, 1e-15, 1e-18, 1e-24] {
+        let (system, start) = (Stretched::new(w), State::new(0.0, [0.0], [1.0]));
+        for tolerance in [1e-4, 1e-6, 1e-8, 1e-10] {
+            let controller = PiController::tolerance(tolerance);
+            let run = integrate(&system, Projection(DormandPrince5), controller, start).until(5.0);
+            let end = run.final_state().unwrap_or_else(|failed| panic!("{w:e}, {tolerance:e}: {failed}"));
+            let error = (end.q[0] - 6f64.ln()).abs();
+            assert!(error < 10.0 * tolerance + 25.0 * w, "{w:e}, {tolerance:e}: {error:e}");
+        }
+    }
+}

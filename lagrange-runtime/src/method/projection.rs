@@ -6,14 +6,15 @@
 //!
 //! It is made in (q, p), where an ignorable momentum is an invariant itself and just set. The momenta that are left,
 //! `π = M̃ q̇` with M̃ the inertia matrix M without the ignorable coordinates, are those of the motion beside them:
-//! `H = ½ q̇ᵀ M̃ q̇ + V*(q)`, with `∂V*/∂q = −F*` the generalized force F where only ignorable coordinates move. In
-//! the norm `‖(δq, δπ)‖² = δqᵀM δq/τ² + δπᵀM⁻¹δπ`, τ the time scale of the motion, the smallest change that restores
-//! H is along `(−τ² M⁻¹F*, M̃ q̇)`, where π is taken along with q so that its kinetic energy stays, as that of a free
-//! motion does: half by itself, and half as M̃ q̇ of the same q̇. (With p as it is, forces of inertia would be among
-//! F, which are large for a body that is light in one direction and turns in it.) For τ² the ratio of the largest
-//! `q̇ᵀM q̇` to the largest `F*ᵀM⁻¹F*` seen in the run is taken, so neither units nor turning points (q̇ = 0) nor
-//! places without force matter. The whole of M, and not only its diagonal, makes the choice of coordinates not matter
-//! either: near a singular M a change along the diagonal would be large in the light direction.
+//! `H = ½ q̇ᵀ M̃ q̇ + V*(q)`, with `∂V*/∂q = −F*` the generalized force F where only ignorable coordinates move. In the
+//! norm `‖(δq, δπ)‖² = δqᵀM δq/τ² + δπᵀM⁻¹δπ`, τ the time scale of the motion, the smallest change that restores H is
+//! along `(−τ² M⁻¹F*, M̃ q̇)`, where π is taken along with q so that its kinetic energy stays, as that of a free motion
+//! does: half by itself, and half as M̃ q̇ of the same q̇. (With p as it is, forces of inertia would be among F, which
+//! are large for a body that is light in one direction and turns in it.) For τ² the ratio of the largest `q̇ᵀM q̇` to
+//! the largest `F*ᵀM⁻¹F*` seen in the run is taken, so neither units nor turning points (q̇ = 0) nor places without
+//! force matter; but τ is no more than 32 times the time since the start: a force that has hardly acted is no way to
+//! restore H. The whole of M, and not only its diagonal, makes the choice of coordinates not matter either: near a
+//! singular M a change along the diagonal would be large in the light direction.
 
 use super::newton::{largest, velocities};
 use super::{Interpolant, Method, Step};
@@ -31,6 +32,9 @@ const MOST_ITERATIONS: u32 = 20;
 
 /// Bound, in ε of its terms, below which an energy error that no longer shrinks is taken for rounding.
 const ROUNDING: f64 = 1024.0;
+
+/// Time scale of the motion in units of the time since the start, at most.
+const LONGEST: f64 = 32.0;
 
 /// A method that keeps the energy function `h = p·q̇ − L` and the momenta of ignorable coordinates at their values of
 /// the start, to rounding, by projection after each step of the method inside. Order and error estimate are those of
@@ -140,7 +144,7 @@ where
     }
 }
 
-lanewise! { Invariants<N> { energy, momenta, kinetic, dynamic } }
+lanewise! { Invariants<N> { start, energy, momenta, kinetic, dynamic } }
 
 /// The values of the invariants, and the sizes by which changes of q and p are weighed.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -153,6 +157,8 @@ lanewise! { Invariants<N> { energy, momenta, kinetic, dynamic } }
     ))
 )]
 pub struct Invariants<S, const N: usize> {
+    /// The time at which they were taken.
+    start: S,
     energy: S,
     /// Momenta, of which those of the ignorable coordinates are kept.
     momenta: SVector<S, N>,
@@ -164,6 +170,7 @@ pub struct Invariants<S, const N: usize> {
 impl<S: SimdScalar, const N: usize> Invariants<S, N> {
     fn new<Sys: Conservative<N, Scalar = S>>(system: &Sys, at: &State<S, N>) -> Self {
         Invariants {
+            start: at.t,
             energy: system.energy_function(&at.q, &at.qd, at.t),
             momenta: system.momenta(&at.q, &at.qd, at.t),
             kinetic: S::zero(),
@@ -181,17 +188,22 @@ impl<S: SimdScalar, const N: usize> Invariants<S, N> {
     ) -> Result<(State<S, N>, u32), Failure<S>> {
         let t = at.t;
         let lost = Failure::InvariantLost { t: t - h, h };
-        let (mut q, mut p) = (at.q, system.momenta(&at.q, &at.qd, t));
-        for &i in Sys::FACTS.ignorable {
-            p[i] = self.momenta[i];
-        }
-        // The nearest so far, and its error.
-        let (mut best, mut least) = (*at, S::each(|_| f64::INFINITY));
+        let momenta = self.momenta;
+        let kept = |q: &_, qd: &_| {
+            let mut p = system.momenta(q, qd, t);
+            for &i in Sys::FACTS.ignorable {
+                p[i] = momenta[i];
+            }
+            p
+        };
+        let (mut q, mut near, mut p) = (at.q, at.qd, kept(&at.q, &at.qd));
+        // The nearest so far, its error, and that which may be rounding.
+        let (mut best, mut least, mut rounding) = (*at, S::each(|_| f64::INFINITY), S::each(|_| 0.0));
         let mut iteration = Iteration::<S>::new();
         let mut iterations = 0;
         while iteration.goes_on() {
             iterations += 1;
-            let qd = velocities(system, &q, &p, t, &best.qd, h)?;
+            let qd = velocities(system, &q, &p, t, &near, h)?;
             let excess = system.energy_function(&q, &qd, t) - self.energy;
             let size = excess.magnitudes();
             // The terms whose difference the energy function is.
@@ -200,29 +212,36 @@ impl<S: SimdScalar, const N: usize> Invariants<S, N> {
             let mut nearer = S::each(|_| false);
             iteration.decide(|i| {
                 let [size, scale] = [&sizes, &scales].map(|x| x.as_ref()[i].to_f64());
-                let least = &mut least.as_mut()[i];
-                if size >= *least || size.is_nan() {
-                    let rounded = *least <= ROUNDING * S::Element::EPSILON * scale;
-                    return if rounded { Progress::Done } else { Progress::Failed };
+                let (least, rounding) = (&mut least.as_mut()[i], &mut rounding.as_mut()[i]);
+                if size < *least {
+                    (*least, *rounding) = (size, ROUNDING * S::Element::EPSILON * scale);
+                    nearer.as_mut()[i] = true;
+                    if size <= 0.5 * S::Element::EPSILON * scale {
+                        return Progress::Done;
+                    } else if iterations < MOST_ITERATIONS {
+                        return Progress::On;
+                    }
                 }
-                *least = size;
-                nearer.as_mut()[i] = true;
-                if size <= 0.5 * S::Element::EPSILON * scale { Progress::Done } else { Progress::On }
+                if *least <= *rounding { Progress::Done } else { Progress::Failed }
             });
             best = State { t, q: chosen(&nearer, &q, &best.q), qd: chosen(&nearer, &qd, &best.qd) };
-            if !iteration.goes_on() || iterations == MOST_ITERATIONS {
+            if !iteration.goes_on() {
                 break;
             }
             let (Change { fall, kick, far, less }, regular) =
                 self.direction(system, &State { t, q, qd }, excess, iteration.on());
             iteration.decide(|i| if regular.as_ref()[i] { Progress::On } else { Progress::Failed });
             let there = q + fall * far;
-            let free = without(Sys::FACTS.ignorable, system.inertia(&there, &qd, t));
-            let [held, moving] =
-                [velocities(system, &there, &p, t, &qd, h)?, qd].map(|qd| product(&free, &qd));
-            let moved = p - held + (kick + moving) * S::from_f64(0.5) - kick * less;
+            let inertia = system.inertia(&there, &qd, t);
+            let free = without(Sys::FACTS.ignorable, inertia);
+            // With the momenta as they are.
+            let held = velocities(system, &there, &p, t, &qd, h)?;
+            let moved = (kick + product(&free, &qd)) * S::from_f64(0.5) - product(&free, &held) - kick * less;
+            // (As a change of velocities: where the body is light, the momenta's rounding would be a large one.)
+            let next = held + factored(&inertia).solve(&moved);
+            p = chosen(iteration.on(), &kept(&there, &next), &p);
             q = chosen(iteration.on(), &there, &q);
-            p = chosen(iteration.on(), &moved, &p);
+            near = chosen(iteration.on(), &next, &near);
         }
         if iteration.failed() {
             return Err(lost);
@@ -255,8 +274,10 @@ impl<S: SimdScalar, const N: usize> Invariants<S, N> {
         };
         (self.kinetic, self.dynamic) = (most(self.kinetic, kinetic), most(self.dynamic, dynamic));
         // τ² = a/b; without any force so far, or any velocity, one of them is 0 and the other any number.
-        let (a, b) =
-            (self.kinetic, S::select(Comparison::Equal, self.dynamic, S::zero(), S::one(), self.dynamic));
+        let seen = (*t - self.start) * S::from_f64(LONGEST);
+        let limit = self.dynamic * seen * seen;
+        let a = S::select(Comparison::Less, limit, self.kinetic, limit, self.kinetic);
+        let b = S::select(Comparison::Equal, self.dynamic, S::zero(), S::one(), self.dynamic);
         let slope = a * dynamic + b * free;
         let factor = excess / slope;
         let change = Change { fall, kick, far: a * factor, less: b * factor };
