@@ -330,11 +330,11 @@ const MAX_SCOPES: usize = 400;
 /// Programs of more statements are cut into parts of some: what the optimiser does with a straight line takes more
 /// time than in proportion to its length. (Calls of 6300 operations took 0.15 % more instructions, and a quarter less
 /// time to compile.)
-const MAX_STRAIGHT: usize = 1000;
-const PART: usize = 80;
+const MAX_STRAIGHT_STATEMENTS: usize = 1000;
+const STATEMENTS_PER_PART: usize = 80;
 
 /// Maximum number of variables in one declaration.
-const MAX_DECLARED: usize = 64;
+const MAX_DECLARED_VARIABLES: usize = 64;
 
 /// Statements and results. The constants of the program are those of an array `constants`.
 pub fn body<'a>(names: &'a Names, program: &Program) -> (TokenStream, Results<'a>) {
@@ -346,7 +346,7 @@ pub fn body<'a>(names: &'a Names, program: &Program) -> (TokenStream, Results<'a
         text: String::new(),
         statements: 0,
         declared: (program.statements() > MAX_SCOPES).then(Vec::new),
-        is_cut: program.statements() > MAX_STRAIGHT,
+        is_cut: program.statements() > MAX_STRAIGHT_STATEMENTS,
     };
     body.constants = (0..program.constants.len()).map(|i| body.fresh(format!("k{i}"))).collect();
     // Inputs that the batched sine kernel does not need are read after it, which spares it the spilling of registers.
@@ -369,7 +369,7 @@ pub fn body<'a>(names: &'a Names, program: &Program) -> (TokenStream, Results<'a
     }
     let written = program.outputs.iter().map(|v| body.value(*v).0).collect();
     let mut text = String::new();
-    for names in body.declared.iter().flat_map(|all| all.chunks(MAX_DECLARED)) {
+    for names in body.declared.iter().flat_map(|all| all.chunks(MAX_DECLARED_VARIABLES)) {
         let _ = writeln!(text, "let ({},);", names.join(", "));
     }
     text += &body.text;
@@ -453,7 +453,7 @@ impl Body<'_> {
             }
         }
         self.statements += usize::from(!inline);
-        if self.is_cut && !inline && self.statements.is_multiple_of(PART) {
+        if self.is_cut && !inline && self.statements.is_multiple_of(STATEMENTS_PER_PART) {
             self.text += &format!("{RUNTIME}::series::cut();\n");
         }
     }

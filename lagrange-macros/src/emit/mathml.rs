@@ -6,12 +6,12 @@ use std::cell::Cell;
 use std::cmp::Ordering;
 
 /// Maximum number of elements of a printed formula.
-const MAX_ELEMENTS: usize = 12_000;
+const MAX_PRINTED_ELEMENTS: usize = 12_000;
 
 /// Maximum number of terms of a printed sum.
-const MAX_TERMS: usize = 120;
+const MAX_PRINTED_TERMS: usize = 120;
 /// Maximum depth of a printed formula.
-const MAX_DEPTH: usize = 16;
+const MAX_PRINTED_LEVELS: usize = 16;
 
 /// Writes values in the names of a model.
 pub struct Writer<'a> {
@@ -42,14 +42,14 @@ impl<'a> Writer<'a> {
 
     /// `left = value` as a displayed formula, or `None` if it is too long to be read.
     pub fn equation(&self, left: &str, value: Value) -> Option<String> {
-        let mut budget = MAX_ELEMENTS;
+        let mut budget = MAX_PRINTED_ELEMENTS;
         let right = self.sum(value, &mut budget)?;
         Some(displayed(&format!("{left}<mo>=</mo>{right}")))
     }
 
     /// `value = 0` as a displayed formula.
     pub fn vanishing(&self, value: Value) -> Option<String> {
-        let mut budget = MAX_ELEMENTS;
+        let mut budget = MAX_PRINTED_ELEMENTS;
         let left = self.sum(value, &mut budget)?;
         Some(displayed(&format!("{left}<mo>=</mo><mn>0</mn>")))
     }
@@ -61,12 +61,12 @@ impl<'a> Writer<'a> {
 
     /// Length of a formula, in characters of its markup.
     pub fn length(&self, value: Value) -> usize {
-        self.sum(value, &mut MAX_ELEMENTS.clone()).map_or(usize::MAX, |text| text.len())
+        self.sum(value, &mut MAX_PRINTED_ELEMENTS.clone()).map_or(usize::MAX, |text| text.len())
     }
 
     /// A formula within a line.
     pub fn inline(&self, value: Value) -> Option<String> {
-        let mut budget = MAX_ELEMENTS / 10;
+        let mut budget = MAX_PRINTED_ELEMENTS / 10;
         Some(format!("<math><mrow>{}</mrow></math>", self.sum(value, &mut budget)?))
     }
 
@@ -105,7 +105,7 @@ impl<'a> Writer<'a> {
                 Some(Node::Sum(a, b)) => left.extend([b.scaled(v.k), a.scaled(v.k)]),
                 _ => terms.push(v),
             }
-            if terms.len() + left.len() > MAX_TERMS {
+            if terms.len() + left.len() > MAX_PRINTED_TERMS {
                 return None;
             }
         }
@@ -114,7 +114,7 @@ impl<'a> Writer<'a> {
 
     fn sum(&self, v: Value, budget: &mut usize) -> Option<String> {
         let depth = self.depth.get();
-        if depth > MAX_DEPTH {
+        if depth > MAX_PRINTED_LEVELS {
             return None;
         }
         self.depth.set(depth + 1);

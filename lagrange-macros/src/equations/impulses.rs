@@ -19,12 +19,12 @@ const RANGE: f64 = 4.0;
 const PARTS: u32 = 64;
 /// Number of powers of 10 over which a switch is searched for by orders of magnitude.
 const DECADES: i32 = 9;
-const MOST_ROOTS: usize = 8;
+const MAX_ROOTS: usize = 8;
 /// Places at which a switch is looked at.
 const PLACES: u64 = 192;
-const MOST_LITERALS: usize = 32;
+const MAX_LITERALS: usize = 32;
 /// Length of a jump that is looked at where a switch is crossed; a longer one counts as a jump everywhere.
-const MOST_NODES: usize = 200;
+const MAX_JUMP_NODES: usize = 200;
 /// Part of a value up to which a jump is that of rounded coefficients.
 const ROUNDED: f64 = 1e-8;
 
@@ -134,7 +134,8 @@ fn where_decided(g: &mut Graph, values: &[Value], switch: Value, decided: &[Valu
             jumps.push(g.call(Function::abs, jump));
         }
         let sum = jumps.into_iter().reduce(|a, b| g.add(a, b)).unwrap_or(Value::ZERO);
-        if sum.node.is_none_or(|id| g.is_fixed(id)) && !sum.is_zero() || g.live(&[sum]).len() > MOST_NODES {
+        if sum.node.is_none_or(|id| g.is_fixed(id)) && !sum.is_zero() || g.live(&[sum]).len() > MAX_JUMP_NODES
+        {
             return None;
         }
         least = Some(least.map_or(-sum, |other| g.choose(true, -sum, other)));
@@ -235,7 +236,7 @@ fn jumping(count: usize, root: f64, at: impl Fn(f64) -> Vec<f64>) -> impl Iterat
 fn literals(g: &Graph, of: &[Value]) -> Vec<f64> {
     let mut found: Vec<f64> = vec![0.0];
     let mut add = |x: f64| {
-        if x.is_finite() && x != 0.0 && !found.contains(&x.abs()) && found.len() < MOST_LITERALS {
+        if x.is_finite() && x != 0.0 && !found.contains(&x.abs()) && found.len() < MAX_LITERALS {
             found.push(x.abs());
         }
     };
@@ -304,5 +305,5 @@ fn roots(f: impl Fn(f64) -> f64, literals: &[f64]) -> Vec<f64> {
             *end = middle;
         }
     };
-    changes.take(MOST_ROOTS).map(root).collect()
+    changes.take(MAX_ROOTS).map(root).collect()
 }

@@ -30,7 +30,7 @@ pub struct Scalings {
 }
 
 /// Graphs of more nodes are not asked.
-const MAX_NODES: usize = 20_000;
+const MAX_SCALED_NODES: usize = 20_000;
 
 /// None where they are not known: of systems that are too large, and of exponents that are no small fractions.
 pub fn scalings(g: &Graph, model: &Model, formed: &Formed) -> Option<Scalings> {
@@ -61,7 +61,7 @@ impl Exponents {
         let mut roots = vec![*lagrangian, *dissipation];
         roots.extend(nonconservative.iter().chain(&rows.values).chain(&rows.rates));
         let live = g.live(&roots);
-        if live.len() > MAX_NODES {
+        if live.len() > MAX_SCALED_NODES {
             return None;
         }
         let mut known: IdMap<Form> = IdMap::default();

@@ -57,7 +57,7 @@ use substitution::Substitution;
 /// Systems of more convolutions have no series emitted: it would cost more to compile than it saves.
 const MAX_CONVOLUTIONS: usize = 20_000;
 /// Orders of at most this many operations are compiled for each kind of processor.
-const MAX_COMPILED_TWICE: usize = 1000;
+const MAX_OPERATIONS_COMPILED_TWICE: usize = 1000;
 /// The series of a motion.
 pub struct Series {
     pub recurrence: Recurrence,
@@ -76,7 +76,7 @@ pub struct Series {
 impl Series {
     /// Is an order so long that it is compiled once, and only its sums over orders for better processors?
     pub fn is_long(&self) -> bool {
-        !self.recurrence.straight() && self.program.operations().arithmetic() > MAX_COMPILED_TWICE
+        !self.recurrence.straight() && self.program.operations().arithmetic() > MAX_OPERATIONS_COMPILED_TWICE
     }
 }
 

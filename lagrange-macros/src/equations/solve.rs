@@ -32,7 +32,7 @@ pub fn swept(g: &mut Graph, a: &mut Symmetric, y: &mut [Value]) -> Option<()> {
 }
 
 /// Above this size only one elimination order is tried.
-const MAX_TRIED_BLOCK: usize = 8;
+const MAX_TRIED_COORDINATES: usize = 8;
 
 /// A pivot is identically zero.
 #[derive(Debug)]
@@ -77,7 +77,7 @@ pub fn plan(g: &mut Graph, m: &Symmetric, b: &[Value]) -> Result<Vec<Plan>, Sing
     let mut plans = Vec::new();
     for block in blocks(b.len(), |i, j| !entry(m, i, j).is_zero()) {
         let mut orders = vec![minimum_degree(m, &block)];
-        if block.len() <= MAX_TRIED_BLOCK {
+        if block.len() <= MAX_TRIED_COORDINATES {
             orders.extend([block.clone(), block.iter().rev().copied().collect()]);
         }
         let mut candidates = Vec::new();
@@ -92,7 +92,7 @@ pub fn plan(g: &mut Graph, m: &Symmetric, b: &[Value]) -> Result<Vec<Plan>, Sing
                 candidates.push(Plan { order: order.clone(), cramer: false, scale });
             }
         }
-        if block.len() > MAX_TRIED_BLOCK {
+        if block.len() > MAX_TRIED_COORDINATES {
             plans.push(candidates.swap_remove(0));
             continue;
         }
@@ -339,7 +339,7 @@ mod tests {
     #[test]
     fn constraints_wait_for_their_pivots() {
         let g = &mut Graph::default();
-        let (n, m) = (MAX_TRIED_BLOCK, 2);
+        let (n, m) = (MAX_TRIED_COORDINATES, 2);
         let s: Vec<Value> = (0..2 * n + 4).map(|i| g.symbol(Symbol::Parameter(i))).collect();
         let mut matrix: Symmetric = Vec::new();
         for i in 0..n + m {

@@ -5,7 +5,7 @@ use crate::model::Model;
 use std::cell::Cell;
 
 /// Formulas of more nodes are cut off.
-const MAX_NODES: usize = 40;
+const MAX_TEXT_NODES: usize = 40;
 
 /// Values in the names of a model, as formulas of one line.
 pub struct Writer<'a> {
@@ -21,7 +21,7 @@ impl<'a> Writer<'a> {
     }
 
     pub fn text(&self, v: Value) -> String {
-        self.left.set(MAX_NODES);
+        self.left.set(MAX_TEXT_NODES);
         let text = self.value(v);
         if text.contains("...") { format!("{text} ({} nodes)", self.g.live(&[v]).len()) } else { text }
     }

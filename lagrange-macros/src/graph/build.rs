@@ -11,7 +11,7 @@ use super::{Comparison, Function, Graph, Id, Monomial, Node, Number, Value, stab
 use std::rc::Rc;
 
 /// Depth in a sum to which like terms are searched.
-const MAX_SEARCH_DEPTH: usize = 2;
+const MAX_SEARCHED_LEVELS: usize = 2;
 /// Products of more distinct factors are not canonicalised.
 const MAX_FACTORS: usize = 24;
 /// Nor are larger exponents.
@@ -34,7 +34,8 @@ impl Graph {
         if let Some(sum) = self.pythagoras(a, b).or_else(|| self.collect(a, b)) {
             return sum;
         }
-        if let Some(sum) = self.absorb(a, b, MAX_SEARCH_DEPTH).or_else(|| self.absorb(b, a, MAX_SEARCH_DEPTH))
+        if let Some(sum) =
+            self.absorb(a, b, MAX_SEARCHED_LEVELS).or_else(|| self.absorb(b, a, MAX_SEARCHED_LEVELS))
         {
             return sum;
         }

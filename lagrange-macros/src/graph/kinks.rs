@@ -6,7 +6,7 @@
 use super::{Function, Graph, Id, Node, Number, Value};
 
 /// Terms that are looked at for their signs.
-const MAX_TERMS: usize = 64;
+const MAX_SIGNED_TERMS: usize = 64;
 
 impl Graph {
     /// `f(x)` with the switches of its kinks, if it has any.
@@ -72,7 +72,7 @@ impl Graph {
     /// Can it be read off that this is 0 or more: a magnitude, an even power, or a sum of such?
     pub fn is_never_negative(&self, id: Id) -> bool {
         let mut stack = vec![Value::from(id)];
-        for _ in 0..MAX_TERMS {
+        for _ in 0..MAX_SIGNED_TERMS {
             let Some(term) = stack.pop() else { return true };
             let is = match term.node.map(|id| (self.node(id), self.factors(id))) {
                 _ if term.k.is_negative() => false,

@@ -142,7 +142,7 @@ impl Graph {
             // (None that a node has as its value.)
             let key = element(!node.map_or(0, |node| 1 + node.index() as u64), trial);
             match k {
-                Number::Ratio(n, d) if node.is_some() && PARTS % d == 0 && n.abs() < LARGEST => {
+                Number::Ratio(n, d) if node.is_some() && PARTS % d == 0 && n.abs() < LARGEST_MULTIPLE => {
                     multiple(point(key), n * (PARTS / d))
                 }
                 // One that is no such multiple has an angle of its own.
@@ -158,7 +158,7 @@ impl Graph {
 const PARTS: i64 = 12;
 
 /// Multiples of angles below this are known.
-const LARGEST: i64 = 1 << 32;
+const LARGEST_MULTIPLE: i64 = 1 << 32;
 
 /// A point of the circle, `((1 − t²)/(1 + t²), 2t/(1 + t²))`; −1 is no square in this field.
 fn point(t: u64) -> [u64; 2] {

@@ -10,7 +10,7 @@ use super::{Function, Graph, Id, Node, Number, Value, stable_map::IdMap};
 use std::collections::BTreeMap;
 
 /// Sums longer than this are not multiplied out.
-const MAX_TERMS: usize = 400;
+const MAX_MULTIPLIED_TERMS: usize = 400;
 
 /// Nor are higher powers of a sine written out.
 const MAX_POWER: i32 = 24;
@@ -89,12 +89,14 @@ impl Graph {
             || v.node.is_some()
                 && !self.differs_from_zero(v)
                 && (self.vanishes_as_rational(v)
-                    || self.multiplied_out(&[v], true, MAX_TERMS, true).is_some_and(|p| p[0].0.is_empty()))
+                    || self
+                        .multiplied_out(&[v], true, MAX_MULTIPLIED_TERMS, true)
+                        .is_some_and(|p| p[0].0.is_empty()))
     }
 
     /// The terms of a value multiplied out, with sums of angles expanded: factors with exponents, and a number.
     pub fn monomials(&mut self, v: Value) -> Option<Vec<(Vec<(Id, i32)>, Number)>> {
-        let polynomial = self.multiplied_out(&[v], true, MAX_TERMS, true)?.pop()?;
+        let polynomial = self.multiplied_out(&[v], true, MAX_MULTIPLIED_TERMS, true)?.pop()?;
         Some(polynomial.0.into_iter().collect())
     }
 
@@ -313,7 +315,7 @@ impl Graph {
             let mut term = factors.clone();
             *term.entry(cosine).or_default() += 2 * j;
             term.retain(|_, e| *e != 0);
-            sum = sum.add(self.reduced(term, binomial)?, MAX_TERMS)?;
+            sum = sum.add(self.reduced(term, binomial)?, MAX_MULTIPLIED_TERMS)?;
             // (p over j+1) = (p over j) (p − j)/(j + 1), with the sign of the next power
             binomial =
                 binomial.mul(Number::from(i64::from(j - e / 2))).mul(Number::from(i64::from(j + 1)).recip());

@@ -40,7 +40,7 @@ const MAX_EXPRESSIONS: usize = 1_000_000;
 /// Elements of arrays that may be made and copied while it is read.
 const MAX_COPIED_ELEMENTS: usize = 4_000_000;
 /// Expressions within expressions, and functions within functions.
-const MAX_DEPTH: usize = 96;
+const MAX_NESTED_EXPRESSIONS: usize = 96;
 
 pub(super) type Result<T = Val> = std::result::Result<T, Reported>;
 
@@ -381,7 +381,7 @@ impl<'e> Elaborator<'e> {
             );
             return Err(self.errors.push(expression, message));
         }
-        if self.depth > MAX_DEPTH {
+        if self.depth > MAX_NESTED_EXPRESSIONS {
             return Err(self
                 .errors
                 .push(expression, "this expression is nested too deeply\nhelp: name its parts with `let`"));

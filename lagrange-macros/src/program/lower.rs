@@ -12,10 +12,10 @@ use crate::graph::{
 };
 
 /// Maximum depth of expressions, in operations that are written inside each other.
-const MAX_DEPTH: usize = 3;
+const MAX_NESTED_OPERATIONS: usize = 3;
 /// Minimum number of sine–cosine pairs, of angles that need no others, that are computed together: a vector of them
 /// takes less than as many calls (docs/lab/performance.md).
-const MIN_CIRCLES: usize = 2;
+const MIN_PAIRS_TOGETHER: usize = 2;
 
 /// Sine and cosine of an angle.
 #[derive(Clone, Copy)]
@@ -72,7 +72,7 @@ pub fn program_from(g: &Graph, outputs: &[Value], known: impl Fn(Value) -> bool)
     lowering.count_uses(&live, outputs);
     let together = lowering.pair(&live);
     lowering.nest(&live, outputs);
-    if together.len() >= MIN_CIRCLES {
+    if together.len() >= MIN_PAIRS_TOGETHER {
         together.iter().for_each(|circle| lowering.visit(lowering.circles[*circle].angle));
         lowering.circle(&together);
     }
@@ -166,7 +166,8 @@ impl<K: Fn(Value) -> bool> Lowering<'_, K> {
                 }
             });
             // An inverse belongs to the division that it is part of.
-            let shallow = depth < MAX_DEPTH || matches!(node, Node::Inverse(_)) || alone == Some(id);
+            let shallow =
+                depth < MAX_NESTED_OPERATIONS || matches!(node, Node::Inverse(_)) || alone == Some(id);
             self.change(id, |of| {
                 of.depth = depth + 1;
                 of.inline = shallow && of.count == 1 && of.circle.is_none();

@@ -2,7 +2,9 @@
 
 use proc_macro2::TokenTree;
 
-const MAX_DEPTH: usize = 64;
+/// Brackets within brackets.
+const MAX_NESTED_GROUPS: usize = 64;
+/// Signs, or words, that follow each other.
 const MAX_OPERATORS_IN_A_ROW: usize = 32;
 /// Tokens after which a parser may recurse once more: `|x| |x| …`, `a < b < …`, `a = a = …`, `else if … else if …`.
 const MAX_RECURSIVE_TOKENS: usize = 256;
@@ -33,7 +35,7 @@ fn level(tokens: impl Iterator<Item = TokenTree>, depth: usize, recursive: &mut 
             TokenTree::Ident(word) => word == "else",
             _ => false,
         });
-        let too_deep = depth > MAX_DEPTH
+        let too_deep = depth > MAX_NESTED_GROUPS
             || puncts > MAX_OPERATORS_IN_A_ROW
             || words > MAX_OPERATORS_IN_A_ROW
             || *recursive > MAX_RECURSIVE_TOKENS;

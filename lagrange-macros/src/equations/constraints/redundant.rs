@@ -23,8 +23,8 @@ const HELD: f64 = 1e-12;
 const DEPENDENT: f64 = 1e-8;
 const INDEPENDENT: f64 = 1e-4;
 /// Sets of constraints that are tried, and that are named.
-const MAX_TRIED: usize = 2000;
-const MAX_NAMED: usize = 6;
+const MAX_TRIED_SETS: usize = 2000;
+const MAX_NAMED_SETS: usize = 6;
 
 /// Dependence of constraints on others.
 pub struct Redundancy {
@@ -139,8 +139,8 @@ impl Redundancy {
                 "all {m} constraints are independent, but for assemblies in which parts lie on each other"
             );
         }
-        let some: Vec<String> = self.superfluous.iter().take(MAX_NAMED).map(|set| all(set)).collect();
-        let others = if self.superfluous.len() > MAX_NAMED { ", or others" } else { "" };
+        let some: Vec<String> = self.superfluous.iter().take(MAX_NAMED_SETS).map(|set| all(set)).collect();
+        let others = if self.superfluous.len() > MAX_NAMED_SETS { ", or others" } else { "" };
         format!("{rank} of the {m} constraints are enough: {} may be left out{others}", some.join(", or "))
     }
 
@@ -183,7 +183,7 @@ fn superfluous(places: &[Place], undetermined: &[usize], rank: usize) -> Vec<Vec
     let mut open: Vec<Vec<usize>> = vec![Vec::new()];
     while let Some(set) = open.pop() {
         tried += 1;
-        if tried > MAX_TRIED {
+        if tried > MAX_TRIED_SETS {
             break;
         }
         if !spans(places, &set, rank) {

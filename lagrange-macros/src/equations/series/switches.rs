@@ -9,7 +9,7 @@ use crate::equations::common::is_number;
 use crate::graph::{Comparison, Function, Graph, Id, Node, Symbol, Value};
 
 /// Terms of a sum that are looked at for their denominators.
-const MAX_TERMS: usize = 64;
+const MAX_SEARCHED_TERMS: usize = 64;
 
 /// A function at whose sign changes values jump or have kinks.
 pub struct Switch {
@@ -142,7 +142,7 @@ fn branch(g: &mut Graph, f: Function, x: Value, other: Value) -> Option<Value> {
 /// The denominators of the terms of a sum, as far as they may change their signs.
 fn poles(g: &Graph, sum: Value) -> Vec<Id> {
     let (mut found, mut terms): (Vec<Id>, Vec<Id>) = (Vec::new(), sum.node.into_iter().collect());
-    for _ in 0..MAX_TERMS {
+    for _ in 0..MAX_SEARCHED_TERMS {
         let Some(term) = terms.pop() else { break };
         if let Node::Sum(a, b) = g.node(term) {
             terms.extend([a, b].into_iter().filter_map(|v| v.node));
