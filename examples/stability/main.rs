@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("{}\n", table_of_scenes(&rows));
     map(&rows).write(&folder, "stability-map")?;
     let cells = folder.join("stability-cells.csv");
-    std::fs::write(&cells, csv(&rows))?;
+    support::write(&cells, csv(&rows))?;
     println!("Map (.svg, .png, .csv): {}", folder.join("stability-map").display());
     println!("All cells: {}", cells.display());
     Ok(())

@@ -12,6 +12,16 @@ pub fn charts() -> std::io::Result<PathBuf> {
     let target =
         std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace().join("target"), PathBuf::from);
     let folder = target.join("charts");
-    std::fs::create_dir_all(&folder)?;
+    std::fs::create_dir_all(&folder).map_err(|error| at(&folder, &error))?;
     Ok(folder)
+}
+
+/// Writes a file. The error says which.
+#[allow(dead_code)]
+pub fn write(path: &Path, text: impl AsRef<[u8]>) -> std::io::Result<()> {
+    std::fs::write(path, text).map_err(|error| at(path, &error))
+}
+
+fn at(path: &Path, error: &std::io::Error) -> std::io::Error {
+    std::io::Error::new(error.kind(), format!("cannot write `{}`: {error}", path.display()))
 }

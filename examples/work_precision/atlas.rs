@@ -51,6 +51,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         every!(further::driven_pendulum()?),
         every!(further::chain()),
     ];
-    let options = Options::of(&motions.each_ref().map(|motion| motion.known()), false);
+    let known = motions.each_ref().map(|motion| motion.known());
+    assert_eq!(known.each_ref().map(|(name, _)| *name), options::ATLAS, "names that `--all` knows");
+    let options = Options::of(&known, false);
     book::write(&motions, &options)
 }

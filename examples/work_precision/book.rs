@@ -1,7 +1,7 @@
 //! The book of all motions: measures each, draws it, and writes the page anew.
 
 use crate::long::drifts;
-use crate::measure::{Record, measure};
+use crate::measure::{Record, WRONG, measure};
 use crate::methods::{Parameter, Sweep};
 use crate::options::{Known, Options};
 use crate::page::{self, Chapter, fewest, shown};
@@ -10,6 +10,7 @@ use crate::{report, support};
 use comfy_table::{CellAlignment, Table, presets};
 use lagrange_runtime::testing::work_precision::Decade;
 use std::error::Error;
+use std::io::{self, Write as _, stdout};
 use std::path::Path;
 
 /// A motion with the methods that fit it, whatever its system.
@@ -43,6 +44,7 @@ impl<Sys, const N: usize> Motion for Fitted<Sys, N> {
     fn measure(&self, options: &Options, folder: &Path) -> Result<(Chapter, Vec<Record>), Box<dyn Error>> {
         let Fitted(problem, fitting) = self;
         let mut sweeps = fitting(problem);
+        let fit = sweeps.len();
         sweeps.retain(|sweep| options.wants_method(sweep.method));
         let adaptive = sweeps.iter_mut().filter(|sweep| sweep.parameter == Parameter::Tolerance);
         if !options.tolerances.is_empty() {
@@ -50,15 +52,20 @@ impl<Sys, const N: usize> Motion for Fitted<Sys, N> {
         }
         let records = measure(problem, &sweeps);
         let winners = report::winners(&records);
-        println!("{}: {}", problem.name, problem.motion);
-        println!("Reference: {}", problem.reference);
-        println!("{}\n", table(&winners));
-
+        let mut out = stdout();
+        writeln!(out, "{}: {}", problem.name, problem.motion)?;
+        writeln!(out, "Reference: {}", problem.reference)?;
         let mut pictures = report::charts(problem, &records, folder)?;
+        match pictures.is_empty() {
+            true => {
+                writeln!(out, "No run ended within an error of {WRONG}: `work-precision.csv` says why.\n")?
+            }
+            false => writeln!(out, "{}\n", table(&winners))?,
+        }
         if let Some(long) = &problem.long {
             let drifts = drifts(problem, long, &sweeps, options.decades(long.decades));
             let csv = folder.join(format!("long-run-{}.csv", problem.stem));
-            std::fs::write(csv, report::long_csv(long, &drifts))?;
+            support::write(&csv, report::long_csv(long, &drifts))?;
             pictures.extend(report::long_charts(problem, long, &drifts, folder)?);
         }
         let chapter = Chapter {
@@ -66,7 +73,8 @@ impl<Sys, const N: usize> Motion for Fitted<Sys, N> {
             stem: problem.stem,
             motion: problem.motion.clone(),
             reference: problem.reference,
-            methods: sweeps.len(),
+            methods: format!("{} of {fit} that fit", sweeps.len()),
+            tolerances: options.tolerances.clone(),
             winners,
             pictures,
         };
@@ -75,8 +83,18 @@ impl<Sys, const N: usize> Motion for Fitted<Sys, N> {
 }
 
 /// Measures the chosen motions. The page is written after each, so that there is something to look at from the first
-/// on.
+/// on. Where nobody reads any more (`| head`), it ends.
 pub fn write(motions: &[Box<dyn Motion>], options: &Options) -> Result<(), Box<dyn Error>> {
+    let is_unread = |error: &(dyn Error + 'static)| {
+        error.downcast_ref::<io::Error>().is_some_and(|error| error.kind() == io::ErrorKind::BrokenPipe)
+    };
+    match written(motions, options) {
+        Err(error) if is_unread(&*error) => Ok(()),
+        result => result,
+    }
+}
+
+fn written(motions: &[Box<dyn Motion>], options: &Options) -> Result<(), Box<dyn Error>> {
     let folder = support::charts()?;
     let (page, csv) = (folder.join("work-precision.html"), folder.join("work-precision.csv"));
     let (mut chapters, mut records) = (Vec::new(), Vec::new());
@@ -84,11 +102,16 @@ pub fn write(motions: &[Box<dyn Motion>], options: &Options) -> Result<(), Box<d
         let (chapter, measured) = motion.measure(options, &folder)?;
         chapters.push(chapter);
         records.extend(measured);
-        std::fs::write(&csv, report::csv(&records))?;
-        std::fs::write(&page, page::page(&chapters))?;
+        support::write(&csv, report::csv(&records))?;
+        support::write(&page, page::page(&chapters))?;
     }
-    println!("All of it on one page: {}", page.display());
-    println!("Its charts (.svg, .png, .csv) and all numbers (work-precision.csv) are beside it.");
+    let mut out = stdout();
+    let equal = records.iter().any(|record| record.parameter == Parameter::Step);
+    if !options.tolerances.is_empty() && equal {
+        writeln!(out, "Methods of equal steps have no tolerance: each was tried over its range of steps.")?;
+    }
+    writeln!(out, "All of it on one page: {}", page.display())?;
+    writeln!(out, "Its charts (.svg, .png, .csv) and all numbers (work-precision.csv) are beside it.")?;
     Ok(())
 }
 

@@ -120,7 +120,8 @@ pub fn double_pendulum() -> Result<Problem<DoublePendulum, 2>, Box<dyn Error>> {
     let p = |name| digits.parameter(name);
     let system = DoublePendulum { m1: p("m1")?, m2: p("m2")?, l1: p("l1")?, l2: p("l2")?, g: p("g")? };
     let [start, end] = digits.ends()?;
-    let motion = format!("from ({}, {}) rad, {} s", start.q[0], start.q[1], end.t).replace('-', "−");
+    let ([a, b], [va, vb]) = ([start.q[0], start.q[1]], [start.qd[0], start.qd[1]]);
+    let motion = format!("from ({a}, {b}) rad with ({va}, {vb}) rad/s, {} s", end.t).replace('-', "−");
     let swing = TAU * (system.l1 / system.g).sqrt();
     let problem = Problem::new("Double pendulum", "double-pendulum", motion, system, [start, end], GOLDEN);
     Ok(problem.long("2π√(l₁/g)", swing, 960.0, 3))

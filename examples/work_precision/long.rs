@@ -1,4 +1,4 @@
-//! Energy and momenta over many periods, at the same cost for every method.
+//! Energy and momenta over many periods, of each method at the most that all may cost.
 
 use crate::measure::bar_style;
 use crate::methods::{Family, Parameter, Sweep};

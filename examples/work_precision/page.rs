@@ -13,8 +13,10 @@ pub struct Chapter {
     pub stem: &'static str,
     pub motion: String,
     pub reference: &'static str,
-    /// Methods that were tried.
-    pub methods: usize,
+    /// How many methods were tried.
+    pub methods: String,
+    /// Tolerances of the adaptive ones, unless it is their range.
+    pub tolerances: Vec<f64>,
     pub winners: Vec<Decade>,
     pub pictures: Vec<Picture>,
 }
@@ -37,7 +39,7 @@ pub fn page(chapters: &[Chapter]) -> String {
     )
 }
 
-const INTRODUCTION: &str = "<p>Each method runs over a range of step sizes or tolerances until its error no longer falls. \
+const INTRODUCTION: &str = "<p>Each method runs over a range of step sizes or tolerances, unless these are chosen, until its error no longer falls. \
 The error is that of the final state, the largest over all coordinates and velocities, each in units of its largest magnitude \
 along the motion, against a reference that no method here had a part in, not even as Taylor series in more digits; \
 those, in double-double arithmetic, end in the same double-precision numbers. Costs between two runs are interpolated on \
@@ -79,9 +81,16 @@ fn section(chapter: &Chapter) -> String {
         .iter()
         .map(|Picture { heading, svg }| format!("<h3>{}</h3>\n<figure>{svg}</figure>\n", escaped(heading)))
         .collect();
+    let tolerances = match chapter.tolerances.as_slice() {
+        [] => String::new(),
+        chosen => {
+            let chosen: Vec<String> = chosen.iter().map(|x| format!("{x:e}")).collect();
+            format!("; adaptive ones with the tolerances {}", chosen.join(", "))
+        }
+    };
     format!(
         "<section id=\"{}\">\n<h2>{}</h2>\n<dl><dt>Motion</dt><dd>{}</dd><dt>Reference</dt><dd>{}</dd>\
-         <dt>Methods</dt><dd>{} fit</dd></dl>\n<h3>Winners</h3>\n{}{pictures}</section>\n",
+         <dt>Methods</dt><dd>{}{tolerances}</dd></dl>\n<h3>Winners</h3>\n{}{pictures}</section>\n",
         chapter.stem,
         escaped(chapter.name),
         escaped(&chapter.motion),

@@ -7,6 +7,7 @@ use crate::problems::{ERROR, Long, Problem};
 use lagrange_runtime::chart::{Axis, Chart, ChartError, Panels, Series};
 use lagrange_runtime::testing::work_precision::{Cost, Decade, MeasuredRun, Reading, chart, ranking};
 use std::fmt::Write as _;
+use std::io::ErrorKind;
 use std::path::Path;
 
 /// Errors below this are drawn at it: an invariant kept exactly has no logarithm.
@@ -19,19 +20,37 @@ pub struct Picture {
     pub svg: String,
 }
 
+/// Removes the files of a picture that an earlier call has drawn.
+fn removed(folder: &Path, stem: &str) -> Result<(), ChartError> {
+    for ending in ["svg", "png", "csv"] {
+        let path = folder.join(stem).with_extension(ending);
+        match std::fs::remove_file(&path) {
+            Err(source) if source.kind() != ErrorKind::NotFound => {
+                return Err(ChartError::Write { path, source });
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
 /// Writes the files of a picture.
 fn picture(panels: &Panels, heading: String, folder: &Path, stem: &str) -> Result<Picture, ChartError> {
     panels.write(folder, stem)?;
     Ok(Picture { heading, svg: panels.svg_with_text()? })
 }
 
-/// Writes error against time and error against evaluations, unless there is nothing to draw.
+/// Writes error against time and error against evaluations, unless there is nothing to draw: those of an earlier call
+/// are removed.
 pub fn charts<Sys, const N: usize>(
     problem: &Problem<Sys, N>,
     records: &[Record],
     folder: &Path,
 ) -> Result<Vec<Picture>, ChartError> {
     if drawn(records).is_empty() {
+        for name in ["time", "evaluations"] {
+            removed(folder, &format!("work-precision-{}-{name}", problem.stem))?;
+        }
         return Ok(Vec::new());
     }
     let draw = |cost, name: &str, what: &str| {
@@ -93,7 +112,7 @@ fn front(mut points: Vec<(f64, f64)>) -> Vec<(f64, f64)> {
     points
 }
 
-/// Writes a chart for each invariant, unless there is nothing to draw.
+/// Writes a chart for each invariant, unless there is nothing to draw: those of an earlier call are removed.
 pub fn long_charts<Sys, const N: usize>(
     problem: &Problem<Sys, N>,
     long: &Long<Sys, N>,
@@ -104,6 +123,9 @@ pub fn long_charts<Sys, const N: usize>(
         .iter()
         .partition(|drift| drift.points.iter().any(|(_, errors)| errors.iter().all(|e| *e <= WRONG)));
     if drifts.is_empty() {
+        for invariant in &long.invariants {
+            removed(folder, &format!("long-run-{}-{}", problem.stem, invariant.stem))?;
+        }
         return Ok(Vec::new());
     }
     let impossible: Vec<&str> = impossible.iter().map(|drift| drift.method).collect();
@@ -134,7 +156,7 @@ pub fn long_charts<Sys, const N: usize>(
         let title = format!("{}: error of {name} over many periods, at equal cost", problem.name);
         let (evaluations, period, clock) = (long.evaluations, long.period, long.clock);
         let mut subtitle = format!(
-            "{evaluations} evaluations of the right-hand side per period for every method; one period: {period:.4} ({clock}); errors \
+            "at most {evaluations} evaluations of the right-hand side per period; one period: {period:.4} ({clock}); errors \
              of {LEAST_DRAWN:e} and less are drawn there, and curves end at {WRONG}"
         );
         if !impossible.is_empty() {
@@ -203,13 +225,15 @@ fn run(record: &Record) -> MeasuredRun {
     }
 }
 
-/// The runs of each method after its last one that failed or was wrong.
+/// The runs of each method after its last one that failed or was wrong, but for those at the fine end, which are too
+/// much for it.
 fn drawn(records: &[Record]) -> Vec<(Family, MeasuredRun)> {
     let sweeps = records.chunk_by(|a, b| a.method == b.method);
     let good = |sweep: &[Record]| {
-        let wrong = sweep.iter().rposition(|record| record.error.is_nan() || record.error > WRONG);
-        let good = sweep.iter().skip(wrong.map_or(0, |last| last + 1));
-        good.map(|record| (record.family, run(record))).collect::<Vec<_>>()
+        let is_wrong = |record: &Record| record.error.is_nan() || record.error > WRONG;
+        let end = sweep.iter().rposition(|record| !is_wrong(record)).map_or(0, |last| last + 1);
+        let start = sweep[..end].iter().rposition(is_wrong).map_or(0, |last| last + 1);
+        sweep[start..end].iter().map(|record| (record.family, run(record))).collect::<Vec<_>>()
     };
     sweeps.flat_map(good).collect()
 }
