@@ -34,6 +34,7 @@ fn help_lists_options_motions_and_methods() {
         "--long",
         "pendulum, top",
         "RK4, Nyström 12",
+        "Motions with --all: pendulum, kepler, kepler-eccentric",
     ];
     for word in words {
         assert!(help.contains(word), "{word}: {help}");
@@ -46,10 +47,17 @@ fn unknown_names_are_answered_with_those_that_there_are() {
         ("--motion chain", "no motion `chain`; there are: pendulum, top"),
         ("--motion top,chain", "no motion `chain`; there are: pendulum, top"),
         ("--method heun", "no method `heun`; there are: RK4, Nyström 12, Verner 9(8), Gauss 4, Gauss 6"),
-        ("--motion top --method verner", "no method `verner`; there are: RK4, Gauss 4, Gauss 6"),
+        (
+            "--motion top --method verner",
+            "the method `verner` fits none of these motions; there are: RK4, Gauss 4, Gauss 6",
+        ),
         ("--method (", "no method `(`; there are: RK4"),
-        ("--tolerance 0", "a tolerance is a positive number"),
-        ("--tolerance 1e-6,x", "a tolerance is a positive number"),
+        ("--tolerance 0", "a tolerance is a number above 0 and up to 1"),
+        ("--tolerance -1", "a tolerance is a number above 0 and up to 1"),
+        ("--tolerance 1e-6,x", "a tolerance is a number above 0 and up to 1"),
+        ("--tolerance 1,5", "a comma stands between two of them"),
+        ("--tolerance 1e400", "a tolerance is a number above 0 and up to 1"),
+        ("--all --motion nosuch", "no motion `nosuch`; there are: pendulum, kepler, kepler-eccentric"),
         ("--tolerances 1", "a similar argument exists: '--tolerance'"),
         ("pendulum", "unexpected argument 'pendulum'"),
     ] {
@@ -75,6 +83,8 @@ fn names_choose() {
     assert_eq!(options.tolerances, [1e-3, 1e-6, 1e-9], "from coarse to fine");
     assert_eq!((options.decades(3), call("--long", true).unwrap().decades(3)), (3, 5));
     assert!(!call("--motion top", true).unwrap().wants_motion("pendulum"));
+    assert!(call("--motion Top", true).unwrap().wants_motion("top"));
+    assert!(call("--all --motion Henon_Heiles", true).unwrap().wants_motion("henon-heiles"));
 }
 
 fn monte_carlo(words: &str) -> Result<monte_carlo::Arguments, String> {
