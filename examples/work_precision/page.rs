@@ -13,7 +13,7 @@ pub struct Chapter {
     pub stem: &'static str,
     pub motion: String,
     pub reference: &'static str,
-    /// How many methods were tried.
+    /// Number of the methods that were tried, of those that fit.
     pub methods: String,
     /// Tolerances of the adaptive ones, unless it is their range.
     pub tolerances: Vec<f64>,

@@ -4,6 +4,7 @@ mod aims;
 mod at_rounding;
 mod crossings;
 mod integrals;
+mod random;
 mod samples;
 #[path = "../../../lagrange-runtime/tests/systems/mod.rs"]
 mod systems;
