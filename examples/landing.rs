@@ -243,8 +243,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     if !(tolerance > 0.0 && tolerance.is_finite()) {
         return Err("the tolerance has to be a positive number".into());
     }
-    let folder = folder.map_or_else(support::charts, Ok)?;
-    std::fs::create_dir_all(&folder)?;
+    let folder = folder.map_or_else(support::charts, support::made)?;
     let source = Random::seed(seed);
     let control = || PiController::tolerance(tolerance);
 

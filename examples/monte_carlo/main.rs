@@ -277,13 +277,8 @@ fn run(arguments: Arguments) -> Result<(), Box<dyn Error>> {
 }
 
 /// The folder of charts.
-fn folder(arguments: &Arguments) -> Result<PathBuf, Box<dyn Error>> {
-    let folder = match &arguments.folder {
-        Some(folder) => folder.clone(),
-        None => support::charts()?,
-    };
-    std::fs::create_dir_all(&folder)?;
-    Ok(folder)
+fn folder(arguments: &Arguments) -> std::io::Result<PathBuf> {
+    arguments.folder.clone().map_or_else(support::charts, support::made)
 }
 
 /// The moment at which the spin, `ω e^(−c t/C)`, is down to `C ω = 2 √(A m g l)`, by the [`DIMENSIONS`] of a top.

@@ -376,8 +376,8 @@ pub fn sweep(name: &str, runs: u32) -> BTreeMap<(String, &'static str), Counts> 
                 let cells = [$(scene.$cells()),*].concat();
                 (told, scene.bound, scene.expected, cells)
             };
-            let is_wanted = made(0.0).name.starts_with(name);
-            let all: Vec<_> = (0..if is_wanted { runs } else { 0 }).into_par_iter().map(run).collect();
+            let wanted = if made(0.0).name.starts_with(name) { runs } else { 0 };
+            let all: Vec<_> = (0..wanted).into_par_iter().map(run).collect();
             for (told, bound, expected, cells) in all {
                 for (method, outcome) in cells {
                     let of: &mut Counts = counts.entry((made(0.0).name, method)).or_default();

@@ -11,7 +11,11 @@ pub fn charts() -> std::io::Result<PathBuf> {
     };
     let target =
         std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace().join("target"), PathBuf::from);
-    let folder = target.join("charts");
+    made(target.join("charts"))
+}
+
+/// A folder, which it makes. The error says which.
+pub fn made(folder: PathBuf) -> std::io::Result<PathBuf> {
     std::fs::create_dir_all(&folder).map_err(|error| at(&folder, &error))?;
     Ok(folder)
 }

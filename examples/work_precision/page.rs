@@ -13,8 +13,9 @@ pub struct Chapter {
     pub stem: &'static str,
     pub motion: String,
     pub reference: &'static str,
-    /// Number of the methods that were tried, of those that fit.
-    pub methods: String,
+    /// Numbers of the methods that were tried, and of those that fit.
+    pub methods: usize,
+    pub fit: usize,
     /// Tolerances of the adaptive ones, unless it is their range.
     pub tolerances: Vec<f64>,
     pub winners: Vec<Decade>,
@@ -90,12 +91,13 @@ fn section(chapter: &Chapter) -> String {
     };
     format!(
         "<section id=\"{}\">\n<h2>{}</h2>\n<dl><dt>Motion</dt><dd>{}</dd><dt>Reference</dt><dd>{}</dd>\
-         <dt>Methods</dt><dd>{}{tolerances}</dd></dl>\n<h3>Winners</h3>\n{}{pictures}</section>\n",
+         <dt>Methods</dt><dd>{} of {} that fit{tolerances}</dd></dl>\n<h3>Winners</h3>\n{}{pictures}</section>\n",
         chapter.stem,
         escaped(chapter.name),
         escaped(&chapter.motion),
         escaped(chapter.reference),
         chapter.methods,
+        chapter.fit,
         ranking(&chapter.winners)
     )
 }

@@ -47,18 +47,18 @@ pub fn charts<Sys, const N: usize>(
     records: &[Record],
     folder: &Path,
 ) -> Result<Vec<Picture>, ChartError> {
+    let stem = |name: &str| format!("work-precision-{}-{name}", problem.stem);
     if drawn(records).is_empty() {
         for name in ["time", "evaluations"] {
-            removed(folder, &format!("work-precision-{}-{name}", problem.stem))?;
+            removed(folder, &stem(name))?;
         }
         return Ok(Vec::new());
     }
     let draw = |cost, name: &str, what: &str| {
-        let stem = format!("work-precision-{}-{name}", problem.stem);
         let title = format!("{}: error at the end against {what}", problem.name);
         let panels = Panels::new(title, panels(records, cost))
             .subtitle(format!("{}; reference: {}", problem.motion, problem.reference));
-        picture(&panels, format!("Error against {what}"), folder, &stem)
+        picture(&panels, format!("Error against {what}"), folder, &stem(name))
     };
     Ok(vec![
         draw(Cost::Seconds, "time", "time")?,
@@ -122,14 +122,15 @@ pub fn long_charts<Sys, const N: usize>(
     let (drifts, impossible): (Vec<&Drift>, Vec<&Drift>) = drifts
         .iter()
         .partition(|drift| drift.points.iter().any(|(_, errors)| errors.iter().all(|e| *e <= WRONG)));
+    let stem = |invariant: &str| format!("long-run-{}-{invariant}", problem.stem);
     if drifts.is_empty() {
         for invariant in &long.invariants {
-            removed(folder, &format!("long-run-{}-{}", problem.stem, invariant.stem))?;
+            removed(folder, &stem(&invariant.stem))?;
         }
         return Ok(Vec::new());
     }
     let impossible: Vec<&str> = impossible.iter().map(|drift| drift.method).collect();
-    let draw = |(k, name, stem): (usize, &str, &str)| {
+    let draw = |(k, name, invariant): (usize, &str, &str)| {
         let axes =
             || (Axis::log("time", "periods"), Axis::log(format!("largest |Δ| / |{name}| in a period"), ""));
         let curve = |drift: &Drift| {
@@ -152,7 +153,6 @@ pub fn long_charts<Sys, const N: usize>(
             0..=ONE_PICTURE => vec![panel("", &|_| true)],
             _ => Family::ALL.into_iter().filter_map(family).collect(),
         };
-        let stem = format!("long-run-{}-{stem}", problem.stem);
         let title = format!("{}: error of {name} over many periods, at equal cost", problem.name);
         let (evaluations, period, clock) = (long.evaluations, long.period, long.clock);
         let mut subtitle = format!(
@@ -164,7 +164,7 @@ pub fn long_charts<Sys, const N: usize>(
                 write!(subtitle, "; lost at once, or not to be had at this cost: {}", impossible.join(" · "));
         }
         let panels = Panels::new(title, charts).subtitle(subtitle);
-        picture(&panels, format!("Error of {name} over many periods"), folder, &stem)
+        picture(&panels, format!("Error of {name} over many periods"), folder, &stem(invariant))
     };
     let invariants = long.invariants.iter().enumerate();
     invariants.map(|(k, invariant)| draw((k, &invariant.name, &invariant.stem))).collect()

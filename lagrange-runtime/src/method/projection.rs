@@ -196,13 +196,14 @@ impl<S: SimdScalar, const N: usize> Invariants<S, N> {
             }
             p
         };
-        let (mut q, mut near, mut p) = (at.q, at.qd, kept(&at.q, &at.qd));
+        let (mut q, mut near) = (at.q, at.qd);
         // The nearest so far, its error, and that which may be rounding.
         let (mut best, mut least, mut rounding) = (*at, S::each(|_| f64::INFINITY), S::each(|_| 0.0));
         let mut iteration = Iteration::<S>::new();
         let mut iterations = 0;
         while iteration.goes_on() {
             iterations += 1;
+            let p = kept(&q, &near);
             let qd = velocities(system, &q, &p, t, &near, h)?;
             let excess = system.energy_function(&q, &qd, t) - self.energy;
             let size = excess.magnitudes();
@@ -239,7 +240,6 @@ impl<S: SimdScalar, const N: usize> Invariants<S, N> {
             let moved = (kick + product(&free, &qd)) * S::from_f64(0.5) - product(&free, &held) - kick * less;
             // (As a change of velocities: where the body is light, the momenta's rounding would be a large one.)
             let next = held + factored(&inertia).solve(&moved);
-            p = chosen(iteration.on(), &kept(&there, &next), &p);
             q = chosen(iteration.on(), &there, &q);
             near = chosen(iteration.on(), &next, &near);
         }

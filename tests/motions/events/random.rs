@@ -106,7 +106,7 @@ fn random_events(seed: u64, trials: u32) {
         // two pairs.
         let part = end / steps / 8.0;
         let lowest = |k: f64| {
-            // What lies beyond the run is not looked at.
+            // The search does not look beyond the run.
             if k < 0.5 || k > 8.0 * steps - 0.5 {
                 return false;
             }

@@ -198,6 +198,7 @@ fn light_directions_are_not_what_pays() {
             let drift = (energy(&kept) - energy(&start)).abs() / energy(&start);
             assert!(drift < 1e-13, "{c:e} {tolerance:e}: {drift:e}");
             let [plain, kept] = [plain, kept].map(|end| distance(&end, &exact));
+            println!("{c:e}, {tolerance:e}: energy {drift:.1e}, distance {kept:.1e}, without {plain:.1e}");
             assert!(kept < 10.0 * plain + 1e-9, "{c:e} {tolerance:e}: {kept:e}, and {plain:e} without");
         }
     }
