@@ -67,6 +67,9 @@ const LONGEST: f64 = 32.0;
 /// - Energy is conserved: time does not appear in L, and there are no other forces. rustc rejects other systems.
 /// - The energy surface is regular: where its gradient vanishes, at equilibria, a step that has left it fails with
 ///   [`Failure::InvariantLost`].
+/// - No direction is much lighter than the others while forces act on the body: a displacement changes a small momentum
+///   by as much as a large one. The spin about an axis whose moment of inertia is 10⁻⁶ of the others is lost, without a
+///   failure, where weight turns the body; at 10⁻² its error is 25 to 140 times that of the method inside.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize, serde::Deserialize))]
 pub struct Projection<M>(pub M);
