@@ -440,7 +440,7 @@ fn sizes() {
         }
     }
     for link in [" + x", " * x", ".sin()", "[0]", " as f64", "(x)", " < x", " ^ x"] {
-        for n in [50, 500, 5000] {
+        for &n in if *LONG { &[50, 500, 5000][..] } else { &[50, 500] } {
             messages(&oscillator(&format!("let y = x{};", link.repeat(n))));
         }
     }
@@ -590,7 +590,7 @@ fn mutated(tokens: TokenStream, n: &mut usize, kind: u8, other: &TokenTree) -> T
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: if *LONG { 250 } else { 50 }, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: if *LONG { 250 } else { 30 }, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn soup(words in proptest::collection::vec(word(), 0..60), body in any::<bool>()) {

@@ -174,7 +174,7 @@ fn a_pair_beside_a_crossing_that_bends_g() {
 
 #[test]
 fn random_events_against_a_dense_reference() {
-    random_events(1, if cfg!(feature = "long") { 2000 } else { 500 });
+    random_events(1, if cfg!(feature = "long") { 2000 } else { 200 });
 }
 
 #[test]
