@@ -435,7 +435,7 @@ fn sizes() {
     for (open, close) in
         [("(", ")"), ("[", "]"), ("-", ""), ("|a| ", ""), ("sin(", ")"), ("{ let z = ", "; z }"), ("!", "")]
     {
-        for n in [10, 30, 60, 64, 500] {
+        for &n in if *LONG { &[10, 30, 60, 64, 500][..] } else { &[10, 64, 500] } {
             messages(&oscillator(&deep(open, close, n)));
         }
     }

@@ -14,7 +14,7 @@ const BITS: usize = 160;
 /// Arguments of each range: `LAGRANGE_SAMPLES`, of which `.ci/full` takes many.
 fn samples() -> usize {
     std::env::var("LAGRANGE_SAMPLES")
-        .map_or(if crate::long() { 1500 } else { 200 }, |count| count.parse().expect("a number"))
+        .map_or(if crate::long() { 1500 } else { 100 }, |count| count.parse().expect("a number"))
 }
 const ROUNDING: RoundingMode = RoundingMode::ToEven;
 

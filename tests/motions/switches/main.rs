@@ -585,7 +585,7 @@ lagrangian! {
 fn friction_that_holds_is_named_in_equal_steps() {
     macro_rules! holds {
         ($method:expr, $h:expr) => {
-            for number in 0..40 {
+            for number in 0..if cfg!(feature = "long") { 40 } else { 12 } {
                 let name = stringify!($method);
                 let part = |times: f64| (f64::from(number) * times).fract();
                 let (k, mu) = (1.0 + 15.0 * part(0.618), 0.5 + 2.5 * part(0.414));
